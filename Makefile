@@ -165,6 +165,7 @@ help:
 	@echo 'make bench-regret    auto beside the best of its methods and Siconos on generated problems; BENCH=options'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
+	@echo 'make bench-lanes     a sweep over groups of eight candidates beside one by one'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
@@ -419,6 +420,8 @@ $(PROPERTIES_PROGRAM): $(call obj,tests/properties/properties.c) $(JUDGES) $(A)
 # the archive once more, behind the objects that need it
 $(BUILD)/tests/properties/test_judges: LIBS := $(A) $(LIBS)
 $(BUILD)/tests/properties/test_judges: $(JUDGES)
+# what bench/ counts as solved
+$(BUILD)/tests/front/test_measure: $(call obj,bench/common.c bench/solvers_call.c)
 
 # PROPERTIES='--seed 2 --count 100000'
 .PHONY: properties
@@ -488,7 +491,7 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
+$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
@@ -499,6 +502,7 @@ $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(FILES) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
+$(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
@@ -532,6 +536,9 @@ bench-motion:
 bench-bodies: $(BUILD)/bench/bodies
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/bodies --out $(RESULTS) $(BENCH)
 	gnuplot -e "dir='$(RESULTS)/'" bench/bodies.gp
+.PHONY: bench-lanes
+bench-lanes: $(BUILD)/bench/lanes
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lanes --out $(RESULTS) $(BENCH)
 bench-regret:
 	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/regret

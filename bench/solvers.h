@@ -24,7 +24,7 @@ typedef struct outcome {
   int calls;      /* between two readings of the clock */
   double cpu;     /* of a solve, s; the smallest of several readings if that is short */
   double setup;   /* of what goes with each call but is not the solve: creating, destroying */
-  dls_certificate certificate; /* of the answer; residual = INFINITY if there is none */
+  dls_certificate certificate; /* of the answer; INFINITY without one, or for NaN */
 } outcome;
 
 /* Solves s `calls` times to its own `tol` by the method that `how` describes, each time from r (m)

@@ -18,6 +18,13 @@ static const double short_call = 20e-3;    /* s: repeated, the smallest counts *
 static const double least_reading = 50e-6; /* s: two in a row are 0.4 to 1 us apart */
 enum { most_readings = 40 };
 
+/* Meets no tolerance in any part. */
+static const dls_certificate no_answer = {.residual = INFINITY,
+                                          .residual_u = INFINITY,
+                                          .residual_r = INFINITY,
+                                          .floor_u = INFINITY,
+                                          .floor_r = INFINITY};
+
 /* Limits the CPU of this process: RLIMIT_CPU counts whole seconds, the timer fractions. */
 static void limit_cpu(double limit) {
   const rlim_t seconds = (rlim_t)limit + 2;
@@ -76,17 +83,17 @@ static void run_task(void *data) {
 outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit) {
   const size_t m = (size_t)s->contact.d * (size_t)s->contact.nc;
   const size_t bytes = sizeof(outcome) + m * sizeof(double);
-  outcome result = {.ended = CRASH, .iterations = -1, .certificate = {.residual = INFINITY}};
+  outcome result = {.ended = CRASH, .iterations = -1, .certificate = no_answer};
   outcome *o = bench_shared(bytes);
   if (!o) return result;
   task t = {s, solve, how, tol, limit, (double *)(o + 1), o};
   const int ended = bench_child(run_task, &t);
   if (ended == 0) result = *o;
   if (ended == SIGPROF || ended == SIGXCPU) result.ended = LIMIT;
-  result.certificate.residual = INFINITY;
+  result.certificate = no_answer;
   if (result.ended == ENDED &&
       dls_contact_certify(&s->contact, t.r, NULL, &result.certificate, NULL) != DLS_OK)
-    result.certificate.residual = INFINITY;
+    result.certificate = no_answer; /* NaN, say: refused, with nothing written */
   munmap(o, bytes);
   return result;
 }

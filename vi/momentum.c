@@ -122,8 +122,8 @@ double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, const double *w, doub
                      .rows = rows,
                      .r = r,
                      .u = u,
-                     .pieces = dlsi_pieces(mo->threads, changes.count),
-                     .row_pieces = dlsi_pieces(mo->threads, rows.count)};
+                     .pieces = dlsi_pieces(changes.count),
+                     .row_pieces = dlsi_pieces(rows.count)};
   double G = 0, uphill = 0;
   dlsi_parallel(mo->team, s.pieces, momentum_measure, &s);
   for (int k = 0; k < s.pieces; k++) {

@@ -32,7 +32,8 @@
 #include "nlgs_work.h"
 
 enum { most_window = 100 };
-enum { large_panel = 2000 }; /* rows: W is 32 MB then, and a panel takes longer than a barrier */
+enum { least_grouped = 500 }; /* candidates: from there on groups pay for themselves */
+enum { large_panel = 2000 };  /* rows: W is 32 MB then, and a panel takes longer than a barrier */
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   if (!settings) return;
@@ -99,6 +100,8 @@ dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_setting
 void dls_nlgs_destroy(dls_nlgs *workspace) {
   if (!workspace) return;
   dlsi_formed_free(&workspace->formed);
+  dlsi_groups_free(&workspace->groups);
+  dlsi_groups_free(&workspace->part);
   dlsi_slabs_free(&workspace->slabs);
   free(workspace->bodies.moved);
   free(workspace->bodies.some);
@@ -137,20 +140,28 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
 static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, const int *order,
                                dls_error *error) {
   work->motions = 0;
-  work->momentum.threads = work->settings.limits.threads;
   work->momentum.u = work->carved[0];
   work->momentum.pu = work->carved[1];
   work->history.u = work->carved[2];
   work->history.DU = work->carved[3];
   work->history.of_u = (size_t)work->d * (size_t)(*problem)->nc;
-  work->slabs.set.slabs = 0;
+  work->grouped = 0;
   dls_status status = dlsi_nlgs_has_history(&work->settings)
                           ? dlsi_form_blocks(&work->formed, problem, error)
                           : dlsi_lend(&work->formed, problem, error);
   if (!status && dlsi_is_factored(*problem)) status = nlgs_take_bodies(work, *problem, error);
-  const int threads = work->settings.limits.threads > 1 && (*problem)->nc >= dlsi_few_candidates;
-  if (!status && threads && !order && !(*problem)->W.a)
+  if (status || order || (*problem)->W.a || (*problem)->nc < least_grouped ||
+      work->settings.relaxation != 1)
+    return status;
+  const int several = work->settings.limits.threads > 1, had = work->slabs.set.slabs > 0;
+  if (several != had) work->groups.kept_size = 0;
+  if (!several)
+    work->slabs.set = (dlsi_set){.count = (*problem)->nc}; /* as numbered: the fewest sweeps */
+  else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
+  if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
+  work->grouped = !status && work->groups.count > 0;
+  if (work->grouped && !work->motions) work->history.of_u = 0;
   return status;
 }
 
@@ -181,8 +192,8 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
   if (status) return status;
   if (order) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
   nlgs_run run = {work, problem, order, r, u, info, DLS_OK};
-  const int large =
-      work->slabs.set.slabs || (problem->W.a && problem->d * problem->nc >= large_panel);
+  const int large = work->grouped ? problem->nc >= dlsi_few_candidates
+                                  : problem->W.a && problem->d * problem->nc >= large_panel;
   dlsi_team_run(large ? work->settings.limits.threads : 1, nlgs_run_in_team, &run);
   status = run.status;
   if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);

@@ -142,7 +142,7 @@ static void nlgs_sum_piece(void *data, int k) {
   const dls_contact *problem = s->problem;
   const int d = problem->d, begin = dlsi_piece(problem->nc, s->pieces, k);
   const int end = dlsi_piece(problem->nc, s->pieces, k + 1);
-  if (s->work->motions) dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
+  if (s->work->motions && !s->work->grouped) dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
   s->sum[k] = (d == 1   ? nlgs_squares_1d
                : d == 2 ? nlgs_squares_2d
                         : nlgs_squares_3d)(s->work, problem, s->r, s->scale, begin, end);
@@ -151,9 +151,9 @@ static void nlgs_sum_piece(void *data, int k) {
 /* Estimates the residuals of the certificate from the u at hand, of bodies from their motions. */
 void dlsi_nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                         double scale, dls_certificate *now) {
-  const int threads = work->settings.limits.threads;
-  nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(threads, problem->nc), {{0, 0, 0, 0}}};
+  nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(problem->nc), {{0, 0, 0, 0}}};
   nlgs_squares sum = {0};
+  if (work->grouped) dlsi_groups_look(&work->groups, work->team, r, work->v, work->it.u);
   dlsi_parallel(work->team, s.pieces, nlgs_sum_piece, &s);
   for (int k = 0; k < s.pieces; k++) {
     sum.F += s.sum[k].F;

@@ -59,7 +59,7 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   if (dls_certificate_holds(&now, it->tol)) return DLS_OK;
   nlgs_resume(work, problem, r);
   dlsi_nlgs_begin_ways(work, problem, r);
-  const int often = problem->W.a || problem->nc < dlsi_few_candidates;
+  const int often = problem->W.a || (problem->nc < dlsi_few_candidates && !work->grouped);
   double accepted = now.residual;
   int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
   dls_status reason = DLS_MAX_ITERATIONS;
@@ -106,7 +106,7 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *
                          const double *E, double *r, double *u, dls_info *info) {
   const dls_limits *limits = &work->settings.limits;
   const size_t d = (size_t)problem->d;
-  for (int c = 0; c < problem->nc; c++) {
+  for (int c = 0; c < problem->nc && !work->grouped; c++) {
     double W[9];
     dlsi_contact_diagonal(problem, c, W);
     for (size_t i = 0; E && i < d; i++)

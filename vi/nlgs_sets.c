@@ -44,13 +44,13 @@ static void nlgs_measure_piece(void *data, int piece) {
   for (int k = dlsi_piece(s->set.count, s->pieces, piece); k < end; k++) {
     const int c = s->set.list ? s->set.list[k] : k;
     double F[3] = {0}, u[3] = {0};
-    if (n) {
+    if (n && !s->set.groups) {
       const dlsi_pair_of_bodies of =
           dlsi_bodies_of(&s->problem->bodies, (size_t)n * (size_t)d, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, s->problem->q + d * c, u);
     }
     (void)dlsi_contact_misfit(d, s->problem->mu[c], work->it.weights + 2 * (size_t)c, s->r + d * c,
-                              n ? u : work->it.u + d * c, F);
+                              n && !s->set.groups ? u : work->it.u + d * c, F);
     const double square = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
     if (s->F2) s->F2[c] = square;
     sum += square;
@@ -61,9 +61,9 @@ static void nlgs_measure_piece(void *data, int piece) {
 /* Returns the sum of |F_c|^2 over a set; F2 (nc, NULL for none): each of them. */
 static double nlgs_measure(const dls_nlgs *work, const dls_contact *problem, dlsi_set set,
                            const double *r, double *F2) {
-  const int threads = work->settings.limits.threads;
-  nlgs_measures s = {work, problem, set, r, F2, dlsi_pieces(threads, set.count), {0}};
+  nlgs_measures s = {work, problem, set, r, F2, dlsi_pieces(set.count), {0}};
   double sum = 0;
+  if (set.groups) dlsi_groups_look(set.groups, work->team, r, work->v, work->it.u);
   dlsi_parallel(work->team, s.pieces, nlgs_measure_piece, &s);
   for (int k = 0; k < s.pieces; k++)
     sum += s.sum[k];
@@ -109,7 +109,7 @@ static void nlgs_add_layer(const dls_nlgs *work, const dls_contact *problem, int
  * if there are any, in the list. */
 static dlsi_set nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list,
                           int *start) {
-  const dlsi_set all = dlsi_nlgs_all(work, problem);
+  const dlsi_set all = work->grouped ? work->slabs.set : dlsi_nlgs_all(work, problem);
   int count = 0, slab = 0;
   for (int k = 0; k < problem->nc; k++) {
     const int c = all.list ? all.list[k] : k;
@@ -141,13 +141,18 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
     work->bodies.some[problem->bodies.count + b] = 0;
   for (int layer = 1; layer <= local_layers + 1; layer++)
     nlgs_add_layer(work, problem, layer);
-  const dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some, work->slabs.some);
+  dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some, work->slabs.some);
   if (set.count == 0 || set.count > local_size * problem->nc) return 0;
-  dlsi_set rows;
+  if (work->grouped) {
+    if (dlsi_groups_set(&work->part, problem, set, &work->groups, NULL) || !work->part.count)
+      return 0;
+    set.groups = &work->part;
+  }
+  dlsi_set rows = {.count = 0};
   if (n)
     rows = nlgs_list_bodies(work, problem);
-  else
-    rows = nlgs_list(work, problem, local_layers + 2, work->rows, work->slabs.changed);
+  else if (!work->grouped)
+    rows = nlgs_list(work, problem, local_layers + 2, work->rows, work->slabs.rows);
   const double end = local_end * local_end * nlgs_measure(work, problem, set, r, NULL);
   dlsi_momentum *mo = &work->momentum;
   dlsi_momentum_start(mo, d, n ? n : d, set, rows, r, u);

@@ -22,8 +22,8 @@
  *   (NL11) u_c = q_c + H_c^T v in (NL1);  v += H_c (s - r_c) in (NL4); u of all candidates is made
  *          for the estimate alone
  *
- * With several threads W by blocks and bodies are swept in slabs, two colours of them (slabs.c), a
- * dense W row by row: to the bits of one thread.
+ * From 500 candidates on W by blocks and bodies are swept in groups of eight (groups.c), on one
+ * thread or more; a dense W on several threads row by row: to the bits of one thread.
  */
 #include <float.h>
 #include <math.h>
@@ -111,20 +111,6 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
   nlgs_add_springs(work, problem->d, c, dr);
 }
 
-enum { ahead = 3, line = 8 }; /* candidates; doubles of a line of the cache */
-
-/* Asks for H and the own block of a candidate that is visited soon. */
-static DLSI_INLINE void nlgs_fetch(const int d, const int n, const dls_nlgs *work,
-                                   const dls_contact *problem, size_t c) {
-  const double *H = problem->bodies.H + c * 2 * (size_t)(n * d);
-  for (int k = 0; k < 2 * n * d; k += line)
-    __builtin_prefetch(H + k);
-  if (d != 3) return;
-  const double *own = (const double *)(const void *)(work->block_3d + c);
-  for (int k = 0; k < (int)(sizeof *work->block_3d / sizeof *own); k += line)
-    __builtin_prefetch(own + k);
-}
-
 /* (NL0)-(NL4) for the candidates of a set, inlined for constants d and n, motions of a body or 0.
  * Returns how many changed. */
 static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work,
@@ -139,8 +125,6 @@ static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work
                       : d == 2 ? work->block_2d[c].W
                                : work->block_3d[c].W;
     dlsi_pair_of_bodies of;
-    if (n && set.list && k + ahead < set.count) /* a slab steps over memory */
-      nlgs_fetch(d, n, work, problem, (size_t)set.list[k + ahead]);
     if (n) {
       of = dlsi_bodies_of(&problem->bodies, (size_t)d * (size_t)n, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, problem->q + (size_t)d * (size_t)c, uc);
@@ -202,32 +186,10 @@ static int nlgs_sweep_list(const dls_nlgs *work, const dls_contact *problem, dls
   return changed;
 }
 
-/* The slabs of one parity in a sweep. */
-typedef struct nlgs_slabs {
-  const dls_nlgs *work;
-  const dls_contact *problem;
-  dlsi_set set;
-  double *r;
-  int parity;
-} nlgs_slabs;
-
-static void nlgs_sweep_slab(void *data, int k) {
-  const nlgs_slabs *s = data;
-  const int slab = 2 * k + s->parity, first = s->set.start[slab];
-  const dlsi_set part = {.list = s->set.list + first, .count = s->set.start[slab + 1] - first};
-  s->work->slabs.changed[slab] = nlgs_sweep_list(s->work, s->problem, part, s->r);
-}
-
-/* One sweep over a set; returns how many candidates changed. */
+/* One sweep over a set; returns 0 if no candidate changed. */
 int dlsi_nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r) {
-  if (!set.slabs) return nlgs_sweep_list(work, problem, set, r);
-  nlgs_slabs s = {work, problem, set, r, 0};
-  int changed = 0;
-  for (; s.parity < 2; s.parity++)
-    dlsi_parallel(work->team, (set.slabs + 1 - s.parity) / 2, nlgs_sweep_slab, &s);
-  for (int k = 0; k < set.slabs; k++)
-    changed += work->slabs.changed[k];
-  return changed;
+  if (set.groups) return dlsi_groups_sweep(set.groups, work->team, r, work->v);
+  return nlgs_sweep_list(work, problem, set, r);
 }
 
 /* ---- back on the cones ----------------------------------------------------------------------- */
@@ -256,7 +218,7 @@ void dlsi_nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double *
       const dlsi_pair_of_bodies of =
           dlsi_bodies_of(&problem->bodies, (size_t)d * (size_t)n, (size_t)c, work->v);
       dlsi_bodies_push(d, n, &of, dr);
-    } else
+    } else if (!work->grouped)
       nlgs_change(work, problem, c, dr, b);
     for (int i = 0; i < d; i++)
       rc[i] += dr[i];

@@ -86,9 +86,9 @@ void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double res
 
 /* Begins momentum anew at r, which u (or v) belongs to. */
 static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, const double *r) {
-  const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
+  const dlsi_set all = {.count = problem->nc};
   const int n = work->motions, d = problem->d;
-  dlsi_momentum_start(&work->momentum, d, n ? n : d, all, n ? bodies : all, r,
+  dlsi_momentum_start(&work->momentum, d, n ? n : d, all, dlsi_nlgs_rows(work, problem), r,
                       dlsi_nlgs_kept(work));
 }
 
@@ -130,10 +130,9 @@ int dlsi_nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double res
       return 1;
     }
   }
-  const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
   (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d, work->it.w,
-                           work->largest, dlsi_nlgs_all(work, problem), n ? bodies : all, r,
-                           dlsi_nlgs_kept(work));
+                           work->largest, dlsi_nlgs_all(work, problem),
+                           dlsi_nlgs_rows(work, problem), r, dlsi_nlgs_kept(work));
   return 1;
 }
 

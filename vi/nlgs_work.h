@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "vi_internal.h"
+#include "groups.h"
 
 enum { dlsi_few_candidates = 1000 }; /* beyond: several ways, threads, few estimates */
 
@@ -34,9 +34,11 @@ struct dls_nlgs {
   int motions;             /* of a body; 0 where u is kept up to date */
   double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
   dlsi_nlgs_bodies bodies;
-  dlsi_slabs slabs; /* more than one thread */
-  dlsi_team *team;  /* that help in this run; NULL: none */
-  double *x;        /* r that the sweep started from, if accelerated: m */
+  int grouped;              /* 1: sweeps go over groups; u is not kept up to date then */
+  dlsi_groups groups, part; /* all candidates; a set of (NL9) */
+  dlsi_slabs slabs;         /* the order of the groups */
+  dlsi_team *team;          /* that help in this run; NULL: none */
+  double *x;                /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
   dlsi_momentum momentum;
   int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
@@ -62,10 +64,17 @@ static inline int dlsi_nlgs_may_turn(const dls_nlgs *work) {
   return work->stage && pushed && (work->d == 2 || work->nc > dlsi_few_candidates);
 }
 
-/* All candidates, in the order of the visits. */
+/* All candidates; one by one, in the order of the visits. */
 static inline dlsi_set dlsi_nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
-  if (work->slabs.set.slabs) return work->slabs.set;
-  return (dlsi_set){.list = work->order, .count = problem->nc};
+  return (dlsi_set){
+      .list = work->order, .count = problem->nc, .groups = work->grouped ? &work->groups : NULL};
+}
+
+/* The rows of what sweeps over all candidates keep up to date: of u, of v, or, in groups by blocks,
+ * none. */
+static inline dlsi_set dlsi_nlgs_rows(const dls_nlgs *work, const dls_contact *problem) {
+  if (work->motions) return (dlsi_set){.count = problem->bodies.count};
+  return (dlsi_set){.count = work->grouped ? 0 : problem->nc};
 }
 
 /* Returns what the sweeps keep up to date: u, or v of bodies. */
@@ -82,7 +91,7 @@ static inline void dlsi_nlgs_return(const dls_nlgs *work, const dls_contact *pro
 
 /* ---- nlgs_sweep.c ---------------------------------------------------------------------------- */
 
-/* Sweeps once over a set: r and what is kept up to date with it. Returns how many candidates
+/* Sweeps once over a set: r and what is kept up to date with it. Returns 0 if no candidate
  * changed. */
 int dlsi_nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r);
 

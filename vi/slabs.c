@@ -3,11 +3,14 @@
  *
  * Two candidates are neighbours where they change the same row of u, of bodies where they share a
  * body. Levels are the distances from a far candidate, so that neighbours are at most one level
- * apart. A slab is one level or more, one after the other, so that slabs of the same parity, with a
- * level between them, have no neighbours:
+ * apart. A slab is one level or more, 64 candidates and a fourth of all at least. So slabs of the
+ * same parity, with a level between them, have no neighbours:
  *
  *   levels   0 1 2 | 3 | 4 | 5 | 6 7 | ..       all even slabs at the same time,
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
+ *
+ * Few slabs are near the order of the numbers, in which packings at rest take the fewest sweeps
+ * (bench/results/lanes_auto.md); four of them keep two threads at work.
  *
  * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
  * Within a slab candidates ascend, as they stand in memory. Parts that nothing couples follow each
@@ -22,10 +25,10 @@
 
 #include "vi_internal.h"
 
-enum { least_candidates = 64, piece_size = 512 };
+enum { least_candidates = 64, most_slabs = 4, piece_size = 512 };
 
-int dlsi_pieces(int threads, int count) {
-  if (threads < 2 || count < 2 * piece_size) return 1;
+int dlsi_pieces(int count) {
+  if (count < 2 * piece_size) return 1;
   return count / piece_size < dlsi_most_pieces ? count / piece_size : dlsi_most_pieces;
 }
 
@@ -133,10 +136,11 @@ static int slabs_compare(const void *a, const void *b) {
 
 /* Cuts the queue into slabs. Returns how many. */
 static int slabs_cut(int nc, int *queue, const int *level, int *start) {
+  const int least = nc / most_slabs > least_candidates ? nc / most_slabs : least_candidates;
   int slabs = 0, first = 0;
   while (first < nc) {
     int end = first;
-    while (end < nc && end - first < least_candidates)
+    while (end < nc && end - first < least)
       for (const int now = level[queue[end]]; end < nc && level[queue[end]] == now;)
         end++;
     start[slabs++] = first;
@@ -165,7 +169,7 @@ dls_status dlsi_slabs_set(dlsi_slabs *slabs, const dls_contact *problem, dls_err
   }
   int *queue = memory, *start = queue + n, *level = scratch;
   slabs->some = start + n + 1;
-  slabs->changed = slabs->some + n + 1;
+  slabs->rows = slabs->some + n + 1;
   g.done = level + n;
   g.joint = g.done + joints;
   g.of = g.joint + n + 1 + edges;

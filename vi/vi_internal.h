@@ -72,19 +72,21 @@ void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *l
 
 /* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
 
+struct dlsi_groups;
+
 /* Some candidates (or bodies), or, list NULL, the first `count`. With slabs > 0 slab k holds
  * list[start[k]] .. list[start[k+1]-1]: no two even slabs share a row of u, nor two odd ones. */
 typedef struct dlsi_set {
   const int *list;
   int count, slabs;
-  const int *start; /* slabs + 1 */
+  const int *start;                 /* slabs + 1 */
+  const struct dlsi_groups *groups; /* the same candidates in groups (groups.h); NULL: none */
 } dlsi_set;
 
 typedef struct dlsi_momentum {
   double *r, *u;    /* that the sweep under way started from: m; u of bodies: v, n count */
   double *p, *pu;   /* the last step: m; pu as u */
   double reference; /* G* of (MO3) */
-  int threads;      /* of the caller's limits */
   dlsi_team *team;
   int k;
 } dlsi_momentum;
@@ -121,10 +123,10 @@ int dlsi_turns_advance(dlsi_turns *turns, double residual, double cost);
 
 /* ---- vi/slabs.c: candidates that may be swept at the same time ------------------------------- */
 
-/* Into how many pieces a loop over so many candidates goes: 1 for one thread; else the same for any
- * number of them, so that sums by pieces have the same bits. */
+/* Into how many pieces a loop over so many candidates goes, on any number of threads: so sums by
+ * pieces have the same bits. */
 enum { dlsi_most_pieces = 64 };
-int dlsi_pieces(int threads, int count);
+int dlsi_pieces(int count);
 
 /* Piece k of `pieces` of 0 .. count-1 begins here. */
 static inline int dlsi_piece(int count, int pieces, int k) {
@@ -136,7 +138,7 @@ typedef struct dlsi_slabs {
   size_t room;
   dlsi_set set; /* all candidates, ascending in each slab */
   int *some;    /* start of a part of the set: slabs + 1 */
-  int *changed; /* slabs: what a sweep over each has changed */
+  int *rows;    /* the same of another part: slabs + 1 */
 } dlsi_slabs;
 
 /* Sorts the candidates of a problem by blocks or of bodies into slabs. DLS_E_MEMORY. */

@@ -49,7 +49,7 @@ typedef struct dls_limits {
                          No clock is read for 0 without a callback. */
   int threads; /* of sweeps, from 1 on: more than 1 sweep over a large W in slabs, two colours
                          of them, at the same time (docs/threads.md); the bits do not depend on how
-                         many there are beyond 1, nor on how many cores; 1 (0: the same) */
+                         many there are, nor on how many cores; 1 (0: the same) */
 } dls_limits;
 
 #ifdef __cplusplus

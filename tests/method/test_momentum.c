@@ -8,7 +8,7 @@
 #include "run.h"
 #include "vi/vi_internal.h"
 
-static const dlsi_set one = {NULL, 1, 0, NULL};
+static const dlsi_set one = {.count = 1};
 
 /* A momentum of one candidate, d = e. */
 typedef struct small {
@@ -77,7 +77,7 @@ END_TEST
 /* Two of three candidates, and one of two bodies: the others stay, NaN as they are. */
 START_TEST(only_the_set_moves) {
   static const int some[2] = {2, 0}, row[1] = {1};
-  const dlsi_set changes = {some, 2, 0, NULL}, rows = {row, 1, 0, NULL};
+  const dlsi_set changes = {.list = some, .count = 2}, rows = {.list = row, .count = 1};
   const double w[3] = {1, NAN, 4};
   double r[6] = {1, 2, NAN, NAN, 3, 4}, u[6] = {NAN, NAN, NAN, 5, 6, 7};
   double of[4][6];
@@ -112,8 +112,8 @@ START_TEST(only_the_set_moves) {
 }
 END_TEST
 
-/* Two threads work on pieces: the same r and u to the bit, the same G but for rounding; as a list
- * of all, last first, too. */
+/* Work on pieces: the same r and u to the bit each time, and as a list of all, last first, the same
+ * G but for rounding. */
 START_TEST(pieces_are_the_whole) {
   enum { count = 5000, d = 3, e = 2 };
   static double v[3][2][d * count], of[3][4][d * count], w[count], start[d * count];
@@ -125,11 +125,10 @@ START_TEST(pieces_are_the_whole) {
   }
   dlsi_momentum mo[3];
   double G[3];
-  const dlsi_set all = {NULL, count, 0, NULL}, backwards = {list, count, 0, NULL};
-  ck_assert_int_gt(dlsi_pieces(2, count), 1);
+  const dlsi_set all = {.count = count}, backwards = {.list = list, .count = count};
+  ck_assert_int_gt(dlsi_pieces(count), 1);
   for (int k = 0; k < 3; k++) {
-    mo[k] = (dlsi_momentum){
-        .r = of[k][0], .u = of[k][1], .p = of[k][2], .pu = of[k][3], .threads = k ? 2 : 1};
+    mo[k] = (dlsi_momentum){.r = of[k][0], .u = of[k][1], .p = of[k][2], .pu = of[k][3]};
     const dlsi_set set = k == 2 ? backwards : all;
     dlsi_momentum_start(&mo[k], d, e, set, set, start, start);
     set_seed(6);

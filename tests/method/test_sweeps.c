@@ -31,7 +31,7 @@ static void direct_multiply(direct *t) {
 
 static void direct_begin(direct *t) {
   const int d = t->p->d, m = d * t->p->nc;
-  const dlsi_set all = {NULL, t->p->nc, 0, NULL};
+  const dlsi_set all = {.count = t->p->nc};
   for (int c = 0; c < t->p->nc; c++) {
     double v[3], W[9];
     dlsi_contact_diagonal(t->p, c, W);
@@ -42,8 +42,8 @@ static void direct_begin(direct *t) {
     (void)dlsi_project_cone(d, t->p->mu[c], v, t->r + d * c);
   }
   direct_multiply(t);
-  t->momentum = (dlsi_momentum){
-      .r = t->moves[0], .u = t->moves[1], .p = t->moves[2], .pu = t->moves[3], .threads = 1};
+  t->momentum =
+      (dlsi_momentum){.r = t->moves[0], .u = t->moves[1], .p = t->moves[2], .pu = t->moves[3]};
   dlsi_momentum_start(&t->momentum, d, d, all, all, t->r, t->u);
   for (int twice = 0; twice < 2; twice++) {
     dlsi_anderson_carve(&t->history, &t->arena, (size_t)m, window, (size_t)m);
@@ -59,7 +59,7 @@ static void direct_begin(direct *t) {
 /* (NL6)-(NL8) r := the start of the next sweep. */
 static void direct_accelerate(direct *t) {
   const int d = t->p->d, nc = t->p->nc, m = d * nc;
-  const dlsi_set all = {NULL, nc, 0, NULL};
+  const dlsi_set all = {.count = nc};
   direct_multiply(t);
   if (t->acceleration == DLS_ACCELERATION_MOMENTUM)
     (void)dlsi_momentum_step(&t->momentum, d, d, t->w, 1, all, all, t->r, t->u);

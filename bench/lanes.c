@@ -1,0 +1,118 @@
+/*
+ * lanes.c: a sweep of Gauss-Seidel over groups of eight candidates, in registers of 2, 4 and 8
+ * lanes, beside the sweep over one after the other, from r = 0.
+ *
+ *   lanes [--sizes N,N,..] [--seed S] [--sweeps COUNT] [--rounds R] [--out DIR]
+ *
+ * CPU nanoseconds a candidate and sweep, the least of the rounds, which go over all columns in
+ * turn: on a busy machine compare columns of a row, not rows.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "delassus.h"
+#include "rigid.h"
+#include "vi/groups.h"
+
+enum { most_sizes = 8, columns = 5 }; /* one by one, 2, 4, 8 lanes, filling the groups */
+
+typedef struct plan {
+  int sizes[most_sizes], size_count, sweeps, rounds;
+  unsigned long seed;
+  FILE *page;
+} plan;
+
+/* Returns the seconds of the sweeps one by one: a relaxation next to 1 keeps groups away. */
+static double one_by_one(const plan *p, const dls_contact *problem, double *r) {
+  dls_nlgs_settings s;
+  dls_nlgs *work = NULL;
+  dls_nlgs_settings_init(&s);
+  s.limits.max_iterations = p->sweeps;
+  s.limits.tol = 0;
+  s.relaxation = nextafter(1, 0);
+  if (dls_nlgs_create(&work, problem->d, problem->nc, &s, NULL)) return NAN;
+  const double start = bench_seconds();
+  const dls_status status = dls_nlgs_solve(work, problem, r, NULL, NULL, NULL);
+  const double seconds = bench_seconds() - start;
+  dls_nlgs_destroy(work);
+  return status < 0 ? NAN : seconds;
+}
+
+static void lanes_compare(const plan *p, const char *kind, const char *storage,
+                          const dls_contact *problem, int bodies) {
+  double best[columns], full = 0;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc, n = 6 * (size_t)bodies;
+  double *r = calloc(m + n, sizeof *r);
+  for (int k = 0; k < columns; k++)
+    best[k] = INFINITY;
+  for (int round = 0; r && round < p->rounds; round++) {
+    best[0] = fmin(best[0], one_by_one(p, problem, r));
+    for (int k = 1; k <= 3; k++) {
+      dlsi_groups groups = {.count = 0, .width = 1 << k};
+      memset(r, 0, (m + n) * sizeof *r);
+      const double start = bench_seconds();
+      if (dlsi_groups_set(&groups, problem, (dlsi_set){.count = problem->nc}, NULL, NULL)) break;
+      const double set = bench_seconds();
+      for (int sweep = 0; sweep < p->sweeps; sweep++)
+        (void)dlsi_groups_sweep(&groups, NULL, r, r + m);
+      best[k] = fmin(best[k], bench_seconds() - set);
+      best[4] = fmin(best[4], set - start);
+      full = problem->nc / 8. / groups.count;
+      dlsi_groups_free(&groups);
+    }
+  }
+  free(r);
+  const double unit = 1e9 / problem->nc / p->sweeps;
+  bench_print(
+      p->page, "| %s | %s | %d | %.1f | %.1f | %.1f | %.1f | %.2f | %.2f | %.2f | %.2f | %.1f |\n",
+      kind, storage, problem->nc, unit * best[0], unit * best[1], unit * best[2], unit * best[3],
+      best[0] / best[1], best[0] / best[2], best[0] / best[3], full, best[4] / best[3] * p->sweeps);
+}
+
+static int lanes_options(int argc, char **argv, plan *p, const char **out) {
+  for (int k = 1; k + 1 < argc; k += 2) {
+    char *value = argv[k + 1];
+    if (strcmp(argv[k], "--seed") == 0)
+      p->seed = strtoul(value, NULL, 10);
+    else if (strcmp(argv[k], "--sweeps") == 0)
+      p->sweeps = (int)strtol(value, NULL, 10);
+    else if (strcmp(argv[k], "--rounds") == 0)
+      p->rounds = (int)strtol(value, NULL, 10);
+    else if (strcmp(argv[k], "--out") == 0)
+      *out = value;
+    else if (strcmp(argv[k], "--sizes") == 0)
+      for (p->size_count = 0; *value && p->size_count < most_sizes; value += *value == ',')
+        p->sizes[p->size_count++] = (int)strtol(value, &value, 10);
+    else {
+      fprintf(stderr, "lanes: unknown option %s\n", argv[k]);
+      return -1;
+    }
+  }
+  return p->sweeps > 0 && p->rounds > 0 ? 0 : -1;
+}
+
+int main(int argc, char **argv) {
+  static const char *const kinds[] = {"packing-flow", "packing-rest", "balls-rest", "discs-rest"};
+  plan p = {.sizes = {700, 4000, 20000}, .size_count = 3, .seed = 2, .sweeps = 100, .rounds = 5};
+  const char *out = "build";
+  if (lanes_options(argc, argv, &p, &out)) return 2;
+  p.page = bench_page(out, "lanes", "Sweeps in lanes", argc, argv);
+  if (!p.page) return 1;
+  bench_print(p.page,
+              "CPU nanoseconds of a candidate in a plain sweep, from r = 0; ratios of one by one "
+              "over groups; lanes that are full; setting up, in sweeps of 8 lanes.\n\n| kind | W | "
+              "candidates | one by one | 2 lanes | 4 | 8 | one / 2 | one / 4 | one / 8 | full | "
+              "set-up |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++)
+    for (int k = 0; k < p.size_count; k++) {
+      rigid a;
+      if (rigid_create(&a, kinds[kind], p.sizes[k], .5, p.seed)) return 1;
+      lanes_compare(&p, kinds[kind], "blocks", &a.contact, a.bodies);
+      lanes_compare(&p, kinds[kind], "bodies", &a.factored, a.bodies);
+      rigid_free(&a);
+    }
+  return fclose(p.page) ? 1 : 0;
+}
