@@ -549,8 +549,11 @@ bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
 .PHONY: bench-trust bench-prove bench-steps bench-regret
 FCLIB ?= data/fclib
-bench-prove: $(BUILD)/bench/prove
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/prove --out $(RESULTS) $(FCLIB)
+bench-prove: $(BUILD)/bench/prove $(PROGRAM)
+	@mkdir -p $(BUILD)/jean
+	for scene in jean-fig3 jean-fig4; do for mesh in 8x4 16x8 32x16 64x32 128x64; do \
+	  $(PROGRAM) scene $$scene --mesh $$mesh -q --save $(BUILD)/jean/$$scene-$$mesh.hdf5 || exit 1; done; done
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/prove --out $(RESULTS) $(FCLIB) $(BUILD)/jean
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 

@@ -1,8 +1,9 @@
 /*
- * prove.c: how many certified answers dls_contact_prove proves, and at what cost. Writes prove.md.
+ * prove.c: how many certified answers dls_contact_prove proves, and at what cost. Writes proof.md.
  *
  * Sets: random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, 1 to 300
- * rows, even seeds; FCLIB files; elastic blocks and cubes (solvers_scenes.c). An answer is regular
+ * rows, even seeds; FCLIB files of one directory; those of another one with Jean's block, saved by
+ * make bench-prove; elastic blocks and cubes (solvers_scenes.c). An answer is regular
  * where dls_contact_sensitivity, for up to 600 unknowns, sees full rank and no contact on a border.
  * Cost: CPU seconds of dls_contact_prove over those of dls_solve at 1e-8 by auto, each the least of
  * 3 calls.
@@ -15,7 +16,7 @@
 #include "delassus/trust.h"
 #include "solvers_scenes.h"
 
-enum { calls = 3, randoms = 300, most_costs = 2000, sets = 5, most_rows = 600 };
+enum { calls = 3, randoms = 300, most_costs = 2000, sets = 6, most_rows = 600 };
 
 void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
             const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
@@ -112,11 +113,9 @@ static void judge_random(int k, int nc, prove_set *set) {
 }
 
 int main(int argc, char **argv) {
-  static prove_set set[sets] = {{.name = "random"},
-                                {.name = "random, 50 to 500 contacts"},
-                                {.name = "FCLIB"},
-                                {.name = "elastic blocks"},
-                                {.name = "elastic cubes"}};
+  static prove_set set[sets] = {{.name = "random"},         {.name = "random, 50 to 500 contacts"},
+                                {.name = "FCLIB"},          {.name = "Jean's block"},
+                                {.name = "elastic blocks"}, {.name = "elastic cubes"}};
   const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
   if (!out) return 1;
   for (int k = 0; k < randoms; k++)
@@ -124,9 +123,10 @@ int main(int argc, char **argv) {
   for (int k = 0; k < 36; k++)
     judge_random(k, 50 + 450 * (k / 3) / 11, &set[1]);
   if (scenes_files(argc > 3 ? argv[3] : "data/fclib", prove_scene, &set[2]) ||
-      scenes_blocks(0, prove_scene, &set[3]) || scenes_cubes(0, prove_scene, &set[4]))
+      (argc > 4 && scenes_files(argv[4], prove_scene, &set[3])) ||
+      scenes_blocks(0, prove_scene, &set[4]) || scenes_cubes(0, prove_scene, &set[5]))
     return 1;
-  FILE *page = bench_page(out, "prove", "Proofs of answers", argc, argv);
+  FILE *page = bench_page(out, "proof", "Proofs of answers", argc, argv);
   if (!page) return 1;
   bench_print(page,
               "\nAnswers of auto at 1e-8, and what `dls_contact_prove` says of them. Regular: full "

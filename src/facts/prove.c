@@ -37,7 +37,7 @@
 #include "linear/blas.h"
 #include "linear/pieces.h"
 
-enum { turns = 4, steps = 6, panel = 64 };
+enum { turns = 4, steps = 6, panel = 32 };
 static const double most_theta = 0.5;   /* (PR5) */
 static const double determined = 1e-10; /* (PR7): pivots over the first one */
 static const double most_perturbed = 1e-12;

@@ -110,6 +110,30 @@ START_TEST(plans_and_explanations) {
 }
 END_TEST
 
+/* --prove: the last line says what is proved of the answer, or which contact is on a border. */
+START_TEST(proofs) {
+  static const char *const last[][2] = {
+      {"c28-nearly-singular", "\nsolved (proved: reactions within "},
+      {"c17-four-solutions", "\nsolved (proved: reactions exact)\n"},
+      {"c02-critical", "\nsolved (not proved: contact 0 is at the border between "}};
+  for (int k = 0; k < 3; k++) {
+    char text[200];
+    (void)snprintf(text, sizeof text, "solve --prove " TEST_DATA "/failures/%s.txt", last[k][0]);
+    says(text, last[k][1]);
+  }
+  says("solve --json --prove " TEST_DATA "/failures/c28-nearly-singular.txt",
+       "\"proof\": \"proved: reactions within ");
+  ck_assert_double_le(json_number("radius"), 1e-10);
+  ck_assert_double_gt(json_number("radius"), 0);
+  says("info " TEST_DATA "/failures/c28-nearly-singular.txt", "  answer of auto: proved: ");
+  says("info --json " TEST_DATA "/failures/c28-nearly-singular.txt", "\"proved_radius\": ");
+  ck_assert_double_le(json_number("proved_radius"), 1e-10);
+  ck_assert_int_eq(run("solve --prove " TEST_DATA "/failures/l01-cycling.txt"), 2);
+  ck_assert_int_eq(run("solve --prove " TEST_DATA "/failures/c04-squeezed.txt"), 1);
+  ck_assert(prints("not solved: ") && !prints("proved: reactions"));
+}
+END_TEST
+
 /* The rows of --history: iterations and time go on, the last row is what --json says. */
 START_TEST(history_of_a_solve) {
   static const char *const methods[] = {"auto", "nlgs", "lemke", "newton"};
@@ -757,6 +781,7 @@ int main(void) {
              ONCE(files_carry_their_status), ONCE(empty_names_are_2),
              ONCE(a_full_disk_keeps_old_files), EACH(signals_end_a_solve, 0, 4),
              ONCE(threads_have_limits), ONCE(lcp_files), ONCE(text_problems),
-             ONCE(plans_and_explanations), ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
-             ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
+             ONCE(plans_and_explanations), ONCE(proofs), ONCE(history_of_a_solve),
+             ONCE(info_lists_all_solutions), ONCE(info_says_what_it_found),
+             ONCE(info_names_degenerate_contacts));
 }
