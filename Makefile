@@ -149,7 +149,7 @@ help:
 	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
-	@echo 'make check-flags     flags that make a wrong library are refused'
+	@echo 'make check-flags     flags that make a wrong library are refused; FLAGS=all: other flags and compilers, too'
 	@echo 'make check-cross     the core for other processors under qemu; ARCHS="i386 arm64"'
 	@echo 'make check-plain     a build with HDF5=0 MUMPS=0 OPENMP=, and the tests of what that changes'
 	@echo 'make sequences       calls of Python in any order under the sanitizers; SEQUENCE=10000'
@@ -358,10 +358,10 @@ check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 check-names:
 	@tests/check_names.sh
 
-# flags that make a wrong library are refused
+# flags that make a wrong library are refused; FLAGS=all: other flags and compilers without a warning, too
 .PHONY: check-flags
 check-flags:
-	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)'
+	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)' $(FLAGS)
 
 # the core for other processors, tested under qemu; ARCHS, Debian's names
 .PHONY: check-cross
@@ -370,20 +370,15 @@ check-cross:
 	@tests/cross.sh '$(MAKE)' $(BUILD)/cross $(ARCHS)
 
 # what no check on each change has the time for: builds with other options, flags and compilers, for other
-# processors; MPI; sanitizers; ten minutes of fuzz for each target
+# processors; MPI; sanitizers; ten minutes of fuzz for each target. Hours. The first failure ends it, and is named
 .PHONY: check-all
+CHECK_ALL = check 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
+  'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian
 check-all:
-	@$(MAKE) --no-print-directory check
-	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)' all
-	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=
-	@$(MAKE) --no-print-directory check-mpi BUILD=$(BUILD)/mpi MPI=1
-	@$(MAKE) --no-print-directory asan
-	@$(MAKE) --no-print-directory sequences
-	@$(MAKE) --no-print-directory names
-	@$(MAKE) --no-print-directory threads RUNS=5
-	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=600
-	@$(MAKE) --no-print-directory check-cross
-	@$(MAKE) --no-print-directory check-debian
+	@$(DEPS) checks debian languages mpi pictures
+	@for part in $(CHECK_ALL); do echo "check-all: make $$part"; \
+	  $(MAKE) --no-print-directory $$part || { echo "check-all: FAILED: make $$part"; exit 1; }; done; \
+	  echo 'check-all: every part passed'
 
 .PHONY: check-headers
 check-headers:
