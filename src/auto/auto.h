@@ -160,6 +160,7 @@ static inline dls_status dlsi_auto_verdict_of(const dlsi_auto *work) {
 /* ---- regime.c: which steps are open to this problem, now ------------------------------------- */
 
 int dlsi_auto_is_packing(const dlsi_auto *work);
+int dlsi_auto_is_few(const dlsi_auto *work);
 dls_regime dlsi_auto_regime(const dlsi_auto *work);
 int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only where a step asks */
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */

@@ -76,8 +76,8 @@ const step dlsi_auto_plan_beyond[] = {
 
 const step *dlsi_auto_first_plan(const dlsi_auto *work) {
   if (dlsi_auto_has_plan(work)) return work->given->step;
-  if (dlsi_is_elastic(work->problem)) return elastic;
-  if (!dlsi_auto_is_packing(work)) return few;
+  if (dlsi_auto_is_few(work)) return few;
+  if (!dlsi_auto_is_packing(work)) return elastic;
   if (work->problem->nc > dlsi_auto_many) return large;
   return dlsi_auto_may_sweep(work) ? packing : tight;
 }

@@ -5,7 +5,7 @@
  * ones; it is then singular, and Newton's steps converge slowly.
  *
  *   elastic   W dense, or by blocks with a fourth of all blocks and more
- *   few       W by blocks, up to 100 candidates
+ *   few       W by blocks, less than a fourth of all, up to 100 candidates
  *   packing   W by blocks, more than 100 candidates
  *   tight     a packing beyond 1000 candidates, or one of bodies with d + 1 contacts each or more,
  *             as many as hold them with friction, that are not at rest: each candidate then has
@@ -33,6 +33,12 @@ int dlsi_auto_is_packing(const dlsi_auto *work) {
   return work->problem->nc > dlsi_auto_few && !dlsi_is_elastic(work->problem);
 }
 
+int dlsi_auto_is_few(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const double nc = problem->nc;
+  return problem->Wb.x && nc <= dlsi_auto_few && problem->Wb.p[problem->nc] < nc * nc / 4;
+}
+
 int dlsi_auto_may_push(const dlsi_auto *work) {
   return !dlsi_is_elastic(work->problem) && !work->has_pushed;
 }
@@ -52,11 +58,10 @@ int dlsi_auto_may_sweep(const dlsi_auto *work) {
 }
 
 dls_regime dlsi_auto_regime(const dlsi_auto *work) {
-  const dls_contact *problem = work->problem;
   if (dlsi_auto_has_plan(work)) return DLS_REGIME_GIVEN;
   if (dlsi_auto_is_packing(work))
     return dlsi_auto_may_sweep(work) ? DLS_REGIME_PACKING : DLS_REGIME_TIGHT;
-  return dlsi_is_elastic(problem) ? DLS_REGIME_ELASTIC : DLS_REGIME_FEW;
+  return dlsi_auto_is_few(work) ? DLS_REGIME_FEW : DLS_REGIME_ELASTIC;
 }
 
 int dlsi_auto_is_near(const dlsi_auto *work, double residual) {
