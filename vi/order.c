@@ -102,10 +102,13 @@ static void order_walk(const dls_contact *problem, double *coupling, int *order)
   }
 }
 
-int dlsi_is_elastic(const dls_contact *problem) {
+int dlsi_is_full(const dls_contact *problem) {
   const double nc = problem->nc;
-  if (problem->W.a) return 1;
-  return problem->Wb.x && nc > few_candidates && problem->Wb.p[problem->nc] >= nc * nc / 4;
+  return problem->W.a || (problem->Wb.x && problem->Wb.p[problem->nc] >= nc * nc / 4);
+}
+
+int dlsi_is_elastic(const dls_contact *problem) {
+  return problem->W.a || (problem->nc > few_candidates && dlsi_is_full(problem));
 }
 
 void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,

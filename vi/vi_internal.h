@@ -316,8 +316,11 @@ void dlsi_multiply(const dls_contact *problem, const int *order, const double *E
 
 /* ---- vi/order.c ------------------------------------------------------------------------------ */
 
-/* Returns 1 if W is dense, or if there are more than 100 candidates and a fourth of all blocks or
- * more: most candidates feel each other, as on elastic bodies. */
+/* Returns 1 if W is dense, or has a fourth of all blocks or more. */
+int dlsi_is_full(const dls_contact *problem);
+
+/* Returns 1 if W is dense, or full with more than 100 candidates: most candidates feel each other,
+ * as on elastic bodies. */
 int dlsi_is_elastic(const dls_contact *problem);
 
 /* order (nc) := the candidates in an order that follows from the data, not from their numbers.

@@ -60,8 +60,8 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   dls_status status = dlsi_auto_on_copy(work, follow_and_judge, error);
   if ((status != DLS_OK && status != DLS_TO_ROUNDING) || dlsi_auto_verdict_of(work) != DLS_STALLED)
     return status == DLS_OK ? dlsi_auto_verdict_of(work) : status;
-  status = dlsi_auto_take_step(work, (step){NEWTON, 0, 0},
-                               error); /* sums in another order round otherwise */
+  /* sums in another order round otherwise */
+  status = dlsi_auto_take_step(work, (step){NEWTON, 0, 0}, error);
   return status < 0 ? status : dlsi_auto_verdict_of(work);
 }
 

@@ -78,9 +78,9 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
     work->costly = 1;
   work->ahead = ahead;
   const int sorted = work->failures || p->residual <= unsorted;
-  const int few = dlsi_auto_is_few(work);
   const int twice = !work->problem->W.a || !sorted;
-  const int first = (few ? first_of_few : (twice + 1) * first_sweeps) / (work->near + 1);
+  const int cold = dlsi_auto_is_few(work) ? first_of_few : (twice + 1) * first_sweeps;
+  const int first = cold / (work->near + 1);
   if (!(p->iteration >= first << work->failures && ahead > next)) return 0;
   return end_as_costlier(work, ahead, next);
 }

@@ -53,10 +53,12 @@ static const step packing[] = {{SWEEPS, 0, 0}, {REST, 0, 0},      {PUSH, FAR, lo
                                {NEWTON, 0, 0}, {PUSH, 0, 0},      {NEWTON, 0, 0},
                                {PUSH, 0, 0},   {NEWTON, 0, 0},    {END, 0, 0}};
 
+/* The first sweeps of a tight packing get nowhere. */
 static const step tight[] = {
     {PUSH, 0, long_pushes}, {NEWTON, 0, 0}, {AUGMENTED, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
     {PUSH, 0, 0},           {NEWTON, 0, 0}, {PUSH, 0, 0},      {NEWTON, 0, 0}, {END, 0, 0}};
 
+/* A factorisation costs more than many sweeps. */
 static const step large[] = {{PUSH, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
                              {PUSH, 0, 0}, {NEWTON, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
                              {PUSH, 0, 0}, {NEWTON, 0, 0}, {END, 0, 0}};

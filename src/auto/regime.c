@@ -34,9 +34,7 @@ int dlsi_auto_is_packing(const dlsi_auto *work) {
 }
 
 int dlsi_auto_is_few(const dlsi_auto *work) {
-  const dls_contact *problem = work->problem;
-  const double nc = problem->nc;
-  return problem->Wb.x && nc <= dlsi_auto_few && problem->Wb.p[problem->nc] < nc * nc / 4;
+  return work->problem->Wb.x && work->problem->nc <= dlsi_auto_few && !dlsi_is_full(work->problem);
 }
 
 int dlsi_auto_may_push(const dlsi_auto *work) {

@@ -147,6 +147,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
   if (dlsi_auto_is_left_out(work, k)) return DLS_STALLED;
   dls_error why = {0};
   const double begun = dlsi_clock_since(work->begun);
+  work->most = s.most;
   dls_status status = k == PUSH ? DLS_OK : dlsi_auto_form_blocks(work, &why);
   if (status == DLS_E_SIZE) return pass_over(work, k); /* too many blocks: sweeps on bodies alone */
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
@@ -156,7 +157,6 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
     memset(work->r, 0, m * sizeof *work->r);
   else
     memcpy(work->r, work->best, m * sizeof *work->r);
-  work->most = s.most;
   dlsi_auto_begin_watch(work);
   if (!status) status = run_part(work, k, &info, &why);
   remember_tries(work, k, status);
