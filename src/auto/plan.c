@@ -9,9 +9,9 @@ enum { dense_splits = 200 };        /* iterations: more of them cost more than N
 enum { other_iterations = 2000 };   /* of splitting from r = 0 */
 enum { settle_iterations = 20000 }; /* up to 300 rows: a second or two */
 enum { most_pushes = 1000000 };
-enum { few_pushes = 1500, few_splits = 400 }; /* few candidates: before pivots */
-enum { long_pushes = 2000 };                  /* before the augmented Lagrangian */
-enum { usual_way = 1, momentum = 2 };         /* dlsi_options.stage */
+enum { few_pushes = 1500, few_splits = 400 };    /* few candidates: before pivots */
+enum { long_pushes = 2000, short_pushes = 500 }; /* before the augmented Lagrangian */
+enum { usual_way = 1, momentum = 2 };            /* dlsi_options.stage */
 
 const step_kind dlsi_auto_kind[parts] = {
     [SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_sweeps, dlsi_auto_may_sweep, 0, usual_way},
@@ -46,22 +46,26 @@ static const step few[] = {{SWEEPS, 0, 0}, {REST, 0, 0},
                            {NEWTON, 0, 0}, {PIVOTING, EARLY, 0},
                            {NEWTON, 0, 0}, {END, 0, 0}};
 
-/* Momentum in turn with Newton's method, which leads nowhere far from the answer. Chains, through
- * which a reaction takes thousands of sweeps, end with the augmented Lagrangian. */
-static const step packing[] = {{SWEEPS, 0, 0}, {REST, 0, 0},      {PUSH, FAR, long_pushes},
-                               {NEWTON, 0, 0}, {AUGMENTED, 0, 0}, {PUSH, 0, 0},
-                               {NEWTON, 0, 0}, {PUSH, 0, 0},      {NEWTON, 0, 0},
-                               {PUSH, 0, 0},   {NEWTON, 0, 0},    {END, 0, 0}};
+/* Momentum in turn with Newton's method, which leads nowhere far from the answer. */
+static const step packing[] = {{SWEEPS, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
+                               {PUSH, 0, 0},   {NEWTON, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
+                               {PUSH, 0, 0},   {NEWTON, 0, 0}, {END, 0, 0}};
 
-/* The first sweeps of a tight packing get nowhere. */
-static const step tight[] = {
-    {PUSH, 0, long_pushes}, {NEWTON, 0, 0}, {AUGMENTED, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
-    {PUSH, 0, 0},           {NEWTON, 0, 0}, {PUSH, 0, 0},      {NEWTON, 0, 0}, {END, 0, 0}};
-
-/* A factorisation costs more than many sweeps. */
-static const step large[] = {{PUSH, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
+static const step tight[] = {{PUSH, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
                              {PUSH, 0, 0}, {NEWTON, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
                              {PUSH, 0, 0}, {NEWTON, 0, 0}, {END, 0, 0}};
+
+/* The same in 2D up to 1000 candidates, where the factors of the augmented Lagrangian have little
+ * fill: chains, through which a reaction takes thousands of sweeps, end with it. */
+static const step flat_packing[] = {
+    {SWEEPS, 0, 0},          {REST, 0, 0},   {PUSH, FAR, long_pushes}, {NEWTON, 0, 0},
+    {PUSH, 0, short_pushes}, {NEWTON, 0, 0}, {AUGMENTED, 0, 0},        {PUSH, 0, 0},
+    {NEWTON, 0, 0},          {PUSH, 0, 0},   {NEWTON, 0, 0},           {END, 0, 0}};
+
+static const step flat_tight[] = {
+    {PUSH, 0, long_pushes}, {NEWTON, 0, 0}, {PUSH, 0, short_pushes}, {NEWTON, 0, 0},
+    {AUGMENTED, 0, 0},      {PUSH, 0, 0},   {NEWTON, 0, 0},          {PUSH, 0, 0},
+    {NEWTON, 0, 0},         {END, 0, 0}};
 
 /* What the first plan leaves, up to 300 rows. Pivots prove that there is no solution, or end it;
  * the rest searches. The augmented Lagrangian tells at last of reactions that run away. */
@@ -80,6 +84,7 @@ const step *dlsi_auto_first_plan(const dlsi_auto *work) {
   if (dlsi_auto_has_plan(work)) return work->given->step;
   if (dlsi_auto_is_few(work)) return few;
   if (!dlsi_auto_is_packing(work)) return elastic;
-  if (work->problem->nc > dlsi_auto_many) return large;
-  return dlsi_auto_may_sweep(work) ? packing : tight;
+  const int loose = dlsi_auto_may_sweep(work);
+  if (work->d > 2 || work->problem->nc > dlsi_auto_many) return loose ? packing : tight;
+  return loose ? flat_packing : flat_tight;
 }
