@@ -96,7 +96,8 @@ static int converge_scene(const char *name, const converge_options *o) {
   double h[MOST_MESHES], error[MOST_MESHES];
   dls_status status = DLS_OK;
   FILE *csv = NULL;
-  if (o->out && (!make_directory(o->out) || !(csv = open_in(o->out, "converge.csv"))))
+  if (o->out &&
+      (!take_folder(o->out, "converge", name) || !(csv = open_in(o->out, "converge.csv"))))
     return EXIT_BAD_INPUT;
   if (csv) fputs("elements,h,error,order\n", csv);
   int count = 0, good = 1;

@@ -166,7 +166,7 @@ static void write_force(const outputs *o, const dls_forming_data *d, const char 
 }
 
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
-  if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
+  if (!(o->force = open_in(directory, "force.csv")) ||
       !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
       !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
@@ -345,7 +345,7 @@ static int run_forming(const forming_options *o) {
   int result = EXIT_BAD_INPUT;
   dls_forming_data first;
   dls_forming_get(forming, &first);
-  if (!o->out || open_outputs(&out, o->out, &first))
+  if (!o->out || (take_folder(o->out, "scene", o->name) && open_outputs(&out, o->out, &first)))
     if (run_steps(forming, o, &out, &status)) {
       dls_forming_data d;
       dls_forming_get(forming, &d);

@@ -164,7 +164,7 @@ static double surface_part(const dls_moving_data *d, int c) {
 }
 
 static int moving_open(moving_files *f, const char *directory, const dls_moving_data *d) {
-  if (!make_directory(directory) || !(f->energy = open_in(directory, "energy.csv")) ||
+  if (!(f->energy = open_in(directory, "energy.csv")) ||
       !(f->contact = open_in(directory, "contact.csv")) || !(f->series = open_series(directory)))
     return 0;
   fputs("t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n", f->energy);
@@ -363,7 +363,7 @@ static int run_moving(const moving_options *o) {
     return complain_of(o->name, &error);
   dls_moving_get(moving, &d);
   if (prints_text()) print_moving_head(&d);
-  if (!o->out || moving_open(&files, o->out, &d))
+  if (!o->out || (take_folder(o->out, "scene", o->name) && moving_open(&files, o->out, &d)))
     if (moving_steps(moving, o, &files, &worst, &status)) {
       dls_moving_get(moving, &d);
       if (is_json())

@@ -438,8 +438,7 @@ static int write_json(const char *directory, const outcome *o) {
 static int write_files(const run *a, const scene_options *o) {
   char path[PATH_ROOM], name[256], title[256];
   dls_error error = {0};
-  if (!make_directory(o->out) || !write_csv(a, o) || !write_json(o->out, &a->outcome))
-    return EXIT_BAD_INPUT;
+  if (!write_csv(a, o) || !write_json(o->out, &a->outcome)) return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
   if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, a->stress, &error))
@@ -476,6 +475,7 @@ static int run_scene(const scene_options *o) {
     goto end;
   }
   if (o->reference && !read_reference(o->reference, &a)) goto end;
+  if (o->out && !take_folder(o->out, "scene", o->name)) goto end;
   if (scene_compute(&a, o, &error)) {
     result = complain_of(o->name, &error);
     goto end;

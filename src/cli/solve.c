@@ -540,7 +540,8 @@ int command_solve(int argc, char **argv) {
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
   /* before the work: an answer that cannot be written is lost */
-  if ((o.plot && !make_directory(o.plot)) || (o.csv && !make_directory(o.csv)))
+  if ((o.plot && !take_folder(o.plot, "solve", NULL)) ||
+      (o.csv && !take_folder(o.csv, "solve", NULL)))
     return EXIT_BAD_INPUT;
   if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
   if (o.history && !(rows.file = open_path(o.history))) return EXIT_BAD_INPUT;

@@ -420,14 +420,15 @@ START_TEST(the_sweeps_as_printed) {
   static const int IS[] = {62, 85, 42, 146}, column[] = {0, 3, 4, 5, 6, 8, 9};
   int numbers = 0, rounded = 0;
   for (int t = 0; t < 4; t++) {
-    char command[128], path[128];
-    (void)snprintf(command, sizeof command, "scene jean-fig%d --method jean%s --json -o @",
-                   3 + t / 2, t % 2 ? " -w" : "");
+    char command[128], path[128], name[32];
+    (void)snprintf(command, sizeof command, "scene jean-fig%d --method jean%s --json -o @/%d",
+                   3 + t / 2, t % 2 ? " -w" : "", t);
     ck_assert_int_eq(run(command), 1); /* 1e-4 is not what the certificate asks */
     ck_assert(prints("\"method\": \"jean\""));
     ck_assert_int_eq((int)json_number("iterations"), IS[t]);
     static char ours[100000];
-    const char *at = strchr(read_text("contact.csv", ours, sizeof ours), '\n') + 1;
+    (void)snprintf(name, sizeof name, "%d/contact.csv", t);
+    const char *at = strchr(read_text(name, ours, sizeof ours), '\n') + 1;
     (void)snprintf(path, sizeof path, "data/jean-1988/fig%d_%s.csv", 3 + t / 2,
                    t % 2 ? "weighted" : "concentrated");
     FILE *file = fopen(path, "r");
@@ -647,22 +648,48 @@ END_TEST
 
 /* A scene that a full disk stops leaves the files of before. */
 START_TEST(a_full_disk_keeps_old_files) {
-  static const char *const lines[] = {"scene jean-fig3 --mesh 4x4 --out @",
-                                      "scene bar-impact --mesh 6x1 --steps 6 --out @"};
-  static const char *const names[] = {"contact.csv", "contact.csv"};
-  char text[100], command[400];
+  static const char *const lines[] = {"scene jean-fig3 --mesh 4x4 --out ",
+                                      "scene bar-impact --mesh 6x1 --steps 6 --out "};
+  static const char *const folders[] = {"a", "b"};
+  char text[100], command[400], name[40];
   for (int k = 0; k < 2; k++) {
-    write_text(names[k], "old\n");
+    (void)snprintf(command, sizeof command, "mkdir %s/%s", directory, folders[k]);
+    ck_assert_int_eq(system(command), 0);
+    (void)snprintf(name, sizeof name, "%s/contact.csv", folders[k]);
+    write_text(name, "old\n");
     const char *program = getenv("DELASSUS_PROGRAM");
     /* counters of a build for coverage, which the limit cuts off, go into the test's directory */
     (void)snprintf(command, sizeof command,
-                   "trap '' XFSZ; ulimit -f 1; GCOV_PREFIX=%s %s %.*s%s >/dev/null 2>&1", directory,
-                   program ? program : "build/delassus", (int)strlen(lines[k]) - 1, lines[k],
-                   directory);
+                   "trap '' XFSZ; ulimit -f 1; GCOV_PREFIX=%s %s %s%s/%s >/dev/null 2>&1",
+                   directory, program ? program : "build/delassus", lines[k], directory,
+                   folders[k]);
     const int status = system(command);
     ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == 2, "%s: %d", command, status);
-    ck_assert_str_eq(read_text(names[k], text, sizeof text), "old\n");
+    ck_assert_str_eq(read_text(name, text, sizeof text), "old\n");
   }
+}
+END_TEST
+
+/* A folder belongs to the command, and to the scene, that wrote into it first. */
+START_TEST(a_folder_has_one_owner) {
+  char text[100];
+  ck_assert_int_eq(run("scene jean-fig3 --mesh 4x4 --out @/o"), 0);
+  ck_assert_int_eq(run("scene jean-fig3 --mesh 4x4 --weighted --out @/o"), 0);
+  static const char *const refused[] = {"scene jean-fig4 --mesh 4x4 --out @/o",
+                                        "scene bar-impact --mesh 6x1 --steps 6 --out @/o",
+                                        "scene indentation --mesh 6x4 --steps 2 --out @/o",
+                                        "converge bar-impact --from 3 --meshes 2 --out @/o",
+                                        "chart jean-fig3 -r 1 -b 0.1 --out @/o",
+                                        "map jean-fig3 --rows 1 --out @/o",
+                                        "map jean-fig3 --against rank --rows 1 --out @/o",
+                                        "profile jean-fig3 -r 1 -b 0.1 --out @/o",
+                                        "solve data/failures/c20-scales.txt --csv @/o",
+                                        "solve data/failures/c20-scales.txt --plot @/o"};
+  for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+    ck_assert_msg(run(refused[k]) == 2, "%s: %s", refused[k], output);
+    ck_assert_msg(prints("holds the files of 'delassus scene jean-fig3'"), "%s", output);
+  }
+  ck_assert_str_eq(read_text("o/made-by.txt", text, sizeof text), "delassus scene jean-fig3\n");
 }
 END_TEST
 
@@ -779,9 +806,9 @@ int main(void) {
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
              ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
              ONCE(files_carry_their_status), ONCE(empty_names_are_2),
-             ONCE(a_full_disk_keeps_old_files), EACH(signals_end_a_solve, 0, 4),
-             ONCE(threads_have_limits), ONCE(lcp_files), ONCE(text_problems),
-             ONCE(plans_and_explanations), ONCE(proofs), ONCE(history_of_a_solve),
-             ONCE(info_lists_all_solutions), ONCE(info_says_what_it_found),
-             ONCE(info_names_degenerate_contacts));
+             ONCE(a_full_disk_keeps_old_files), ONCE(a_folder_has_one_owner),
+             EACH(signals_end_a_solve, 0, 4), ONCE(threads_have_limits), ONCE(lcp_files),
+             ONCE(text_problems), ONCE(plans_and_explanations), ONCE(proofs),
+             ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
+             ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }
