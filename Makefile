@@ -137,6 +137,7 @@ help:
 	@echo 'make check-install   examples built and run from an installed tree alone'
 	@echo 'make check-packages  wheel, source package and editable install of Python without network; mypy'
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
+	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
 	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
@@ -276,7 +277,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install check-links check-docs QUICK=--quick
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
@@ -373,7 +374,7 @@ check-cross:
 # processors; MPI; sanitizers; ten minutes of fuzz for each target. Hours. The first failure ends it, and is named
 .PHONY: check-all
 CHECK_ALL = check 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
-  'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian
+  'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian check-docs
 check-all:
 	@$(DEPS) checks debian languages mpi pictures
 	@for part in $(CHECK_ALL); do echo "check-all: make $$part"; \
@@ -580,6 +581,10 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
+# problems that the guide solves
+DATA := $(wildcard data/README.md data/fclib/* data/lcp/* data/failures/* data/jean-1988/*)
+# the pages of the guide; the others are about the source
+GUIDE := $(filter-out docs/contributing.md docs/decisions.md docs/source.md,$(wildcard docs/*.md))
 ZSHDIR ?= $(DATADIR)/zsh/site-functions
 FISHDIR ?= $(DATADIR)/fish/vendor_completions.d
 FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|'
@@ -587,7 +592,7 @@ FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@
 .PHONY: install
 install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	install -d $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/pkgconfig $(LIBDIR)/cmake/delassus $(PREFIX)/bin \
-	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(ZSHDIR) $(FISHDIR) $(DOCDIR)/examples $(DOCDIR)/pictures)
+	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(ZSHDIR) $(FISHDIR) $(DOCDIR)/examples/python $(DOCDIR)/docs/pictures)
 	install -m 644 include/delassus.h $(DESTDIR)$(INCLUDEDIR)/
 	install -m 644 $(filter include/delassus/%,$(HEADERS)) $(DESTDIR)$(INCLUDEDIR)/delassus/
 	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(INCLUDEDIR)/
@@ -605,11 +610,16 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
 	install -m 644 src/cli/completion.zsh $(DESTDIR)$(ZSHDIR)/_delassus
 	install -m 644 src/cli/completion.fish $(DESTDIR)$(FISHDIR)/delassus.fish
-	install -m 644 README.md CHANGELOG.md LICENSE docs/*.md docs/*.png $(DESTDIR)$(DOCDIR)/
-	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/pictures/
+	for page in README.md CHANGELOG.md examples/README.md $(GUIDE); do \
+	  awk -f docs/installed.awk $$page > $(DESTDIR)$(DOCDIR)/$$page && chmod 644 $(DESTDIR)$(DOCDIR)/$$page || exit 1; done
+	install -m 644 LICENSE $(DESTDIR)$(DOCDIR)/
+	install -m 644 docs/*.png $(DESTDIR)$(DOCDIR)/docs/
+	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/docs/pictures/
 	install -m 644 examples/*.c examples/*.cpp examples/*.f90 examples/*.py $(DESTDIR)$(DOCDIR)/examples/
-	install -d $(DESTDIR)$(DOCDIR)/examples/python
-	install -m 644 examples/python/* $(DESTDIR)$(DOCDIR)/examples/python/
+	for folder in $(sort $(dir $(DATA))); do install -d $(DESTDIR)$(DOCDIR)/$$folder; done
+	for file in $(DATA); do install -m 644 $$file $(DESTDIR)$(DOCDIR)/$$file || exit 1; done
+	install -m 644 $(filter-out %.md,$(wildcard examples/python/*)) $(DESTDIR)$(DOCDIR)/examples/python/
+	if [ -f $(BUILD)/docs/html/index.html ]; then cp -r $(BUILD)/docs/html $(DESTDIR)$(DOCDIR)/; fi
 
 # what install has written, of this version
 .PHONY: uninstall
@@ -633,6 +643,18 @@ check-packages: $(SO)
 .PHONY: check-debian
 check-debian:
 	@tests/debian.sh
+
+# every command and program of the documents, in a copy of the tree; QUICK=--quick: without the slow ones
+.PHONY: check-docs
+check-docs: all $(F90)
+	@MAKE='$(MAKE)' PYTHON='$(PYTHON)' python3 tests/docs.py $(BUILD) $(QUICK)
+
+# dead links and file names in the documents of the tree, and as they are installed, with the HTML guide if it is built
+.PHONY: check-links
+check-links: all
+	@python3 tests/links.py .
+	@root=$$(mktemp -d) && $(MAKE) -s install PREFIX=$$root > $$root/log 2>&1 && \
+	  python3 tests/links.py $$root/share/doc/delassus $$root/include; status=$$?; rm -rf $$root; exit $$status
 
 .PHONY: check-hosts
 check-hosts:
