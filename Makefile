@@ -137,6 +137,7 @@ help:
 	@echo 'make check-install   examples built and run from an installed tree alone'
 	@echo 'make check-packages  wheel, source package and editable install of Python without network; mypy'
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
+	@echo 'make docs        the guide as HTML with a search, build/docs/html (Doxygen)'
 	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
 	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
@@ -588,6 +589,16 @@ GUIDE := $(filter-out docs/contributing.md docs/decisions.md docs/source.md,$(wi
 ZSHDIR ?= $(DATADIR)/zsh/site-functions
 FISHDIR ?= $(DATADIR)/fish/vendor_completions.d
 FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|'
+
+# the guide as HTML with a search, $(BUILD)/docs/html/index.html; installed by `make install` once it is there
+.PHONY: docs
+docs:
+	@$(DEPS) docs
+	@mkdir -p $(BUILD)/docs
+	@{ cat docs/Doxyfile; echo 'PROJECT_NUMBER = $(VERSION)'; echo 'OUTPUT_DIRECTORY = $(BUILD)/docs'; \
+	  echo 'INPUT = $(GUIDE) examples/README.md $(wildcard include/*.h include/delassus/*.h)'; } | doxygen -
+	@python3 tests/guide.py $(BUILD)/docs/html $(BUILD)
+	@python3 tests/links.py $(BUILD)/docs/html include
 
 .PHONY: install
 install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)

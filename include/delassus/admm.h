@@ -32,6 +32,7 @@ typedef struct dls_admm_settings {
   double rho;        /* at first; then 1e-8 .. 100 as it goes; > 0, finite; no unit; 1 */
 } dls_admm_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_admm_settings_init(dls_admm_settings *settings);
 
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */

@@ -34,6 +34,7 @@ typedef struct dls_augmented_settings {
   int adaptive;
 } dls_augmented_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);
 
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */

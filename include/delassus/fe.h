@@ -34,7 +34,9 @@ DLS_API DLS_MUST_USE dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, 
 /* Works as dls_fe_mesh_block, with the rectangles themselves as four-node elements. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mesh_quads(dls_fe_mesh *mesh, double lx, double ly, int nx,
                                                   int ny, dls_error *error);
-DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh); /* NULL is fine */
+
+/* Frees the arrays of the mesh; NULL is fine. */
+DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh);
 
 /* K (2 nodes x 2 nodes, column-major, leading dimension ldk) := the stiffness of linear elasticity
  * in plane strain, small strain, unit thickness, K = sum of the integrals of B^T D B over the
@@ -52,7 +54,8 @@ typedef struct dls_fe_matrix {
   void *memory; /* of the arrays of A */
 } dls_fe_matrix;
 
-DLS_API void dls_fe_matrix_free(dls_fe_matrix *matrix); /* NULL is fine */
+/* Frees the arrays of the matrix; NULL is fine. */
+DLS_API void dls_fe_matrix_free(dls_fe_matrix *matrix);
 
 /* *K := dls_fe_stiffness as a sparse matrix of the unknowns that `unknown` numbers: unknown[k] is
  * the row and column, 0 .. unknowns-1, of the mesh's unknown k (2 nodes), or -1 where it is
@@ -117,6 +120,7 @@ typedef struct dls_fe_scene_settings {
   dls_fe_order order; /* DLS_FE_TOGETHER */
 } dls_fe_scene_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_fe_scene_settings_init(dls_fe_scene_settings *settings);
 
 /* *out = scene `name` with concentrated (weighted = 0) or weighted reactions; NULL on error. The
@@ -128,7 +132,9 @@ DLS_API DLS_MUST_USE dls_status dls_fe_scene_create_with(dls_fe_scene **out, con
                                                          int weighted,
                                                          const dls_fe_scene_settings *settings,
                                                          dls_error *error);
-DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene); /* NULL is fine */
+
+/* Frees the scene; NULL is fine. */
+DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene);
 
 /* Input of the reduction, all owned by the scene. Supported unknowns are taken out of the model,
  * which has fewer unknowns than 2 * nodes of the mesh. */

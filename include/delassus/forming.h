@@ -63,6 +63,7 @@ typedef struct dls_forming_settings {
   dls_method method; /* of the condensed problem; DLS_LEMKE. DLS_AUTO: on K itself first */
 } dls_forming_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_forming_settings_init(dls_forming_settings *settings);
 
 enum { DLS_FORMING_MOST_STEPS = 25 }; /* of Newton's method in an equilibrium loop */
@@ -100,7 +101,8 @@ DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char
  * reduction. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
-DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */
+/* Frees the scene; NULL is fine. */
+DLS_API void dls_forming_destroy(dls_forming *forming);
 
 /* Reasons for which a step is refused. Elements, corners and nodes count from 0, as in the files
  * for ParaView. */

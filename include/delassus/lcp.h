@@ -75,6 +75,7 @@ typedef struct dls_lemke_settings {
   int crash;
 } dls_lemke_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_lemke_settings_init(dls_lemke_settings *settings);
 
 typedef struct dls_lemke_info {

@@ -80,6 +80,7 @@ typedef struct dls_motion_settings {
                          there by itself, with method auto; 0 */
 } dls_motion_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_motion_settings_init(dls_motion_settings *settings);
 
 typedef struct dls_motion dls_motion;
@@ -134,6 +135,8 @@ typedef struct dls_motion_state {
   const int *active_list;         /* active: their numbers, ascending */
 } dls_motion_state;
 
+/* Sets *state to views of the motion, which live as long as it does and change with each step.
+ * DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_state(const dls_motion *motion,
                                                      dls_motion_state *state, dls_error *error);
 
@@ -156,6 +159,7 @@ typedef struct dls_motion_energies {
   double momentum;
 } dls_motion_energies;
 
+/* Copies the energies, works and checks of the motion into *energies. DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion,
                                                         dls_motion_energies *energies,
                                                         dls_error *error);

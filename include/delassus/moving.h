@@ -39,6 +39,7 @@ typedef struct dls_moving_settings {
                   and what the warm start saves; 0 */
 } dls_moving_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_moving_settings_init(dls_moving_settings *settings);
 
 /* Names ("bar-impact", ...) and one-line descriptions, index 0 ..; NULL past the last. */
@@ -98,7 +99,8 @@ typedef struct dls_moving_data {
 /* *data := views of the scene, which live as long as it does; all zero if moving is NULL. */
 DLS_API void dls_moving_get(const dls_moving *moving, dls_moving_data *data);
 
-DLS_API void dls_moving_destroy(dls_moving *moving); /* NULL is fine */
+/* Frees the scene; NULL is fine. */
+DLS_API void dls_moving_destroy(dls_moving *moving);
 
 #ifdef __cplusplus
 }

@@ -85,7 +85,7 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_create(dls_mpi_reduction **out
                                                          const dls_reduction_settings *settings,
                                                          dls_error *error);
 
-/* Local. */
+/* Copies the sizes and the cost of the reduction into *info. Local. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_get_info(const dls_mpi_reduction *reduction,
                                                            dls_mpi_info *info, dls_error *error);
 
@@ -106,7 +106,7 @@ typedef struct dls_mpi_contact {
   const double *q; /* m: all of it, on every rank */
 } dls_mpi_contact;
 
-/* Local. */
+/* Sets *problem to views of the part of W, and of q, that this rank holds. Local. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_contact(const dls_mpi_reduction *reduction,
                                                           dls_mpi_contact *problem,
                                                           dls_error *error);
@@ -132,6 +132,7 @@ typedef struct dls_mpi_settings {
                         (auto), while the others wait; 1000 */
 } dls_mpi_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_mpi_settings_init(dls_mpi_settings *settings);
 
 /* Solves u = W r + q with the law of contact.h: on rank 0 by dls_solve, or by ADMM (admm.h) on the

@@ -28,6 +28,7 @@ typedef struct dls_newton_settings {
   double regularization; /* eps: the matrix of a step is made of W + eps diag(w); [0, 1); 1e-6 */
 } dls_newton_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_newton_settings_init(dls_newton_settings *settings);
 
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */

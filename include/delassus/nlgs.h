@@ -33,6 +33,7 @@ typedef struct dls_nlgs_settings {
   int window; /* Anderson: how many differences of sweeps are combined, 1 .. 100; 10 */
 } dls_nlgs_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
 
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */

@@ -26,6 +26,7 @@ typedef struct dls_principal_settings {
                          there is one. >= 0; 0: always one at a time; 10 */
 } dls_principal_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_principal_settings_init(dls_principal_settings *settings);
 
 typedef struct dls_principal_info {

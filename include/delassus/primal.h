@@ -29,6 +29,7 @@ typedef struct dls_primal_settings {
   int aitken;        /* 1: Aitken acceleration of the sweeps; 0: none; 1 */
 } dls_primal_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
 
 /* The certificate, in two parts; both without unit. r is what the contact nodes take out of

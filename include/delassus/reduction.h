@@ -69,6 +69,7 @@ typedef struct dls_reduction_settings {
   void *progress_data;      /* lives as long as the reduction is created or updated */
 } dls_reduction_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
 
 /* Cost of a reduction: foreseen, or as it was. */

@@ -35,6 +35,7 @@ typedef struct dls_solver_settings {
   const char *plan, *without;
 } dls_solver_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
 
 /* Name of a method ("auto", "nlgs", ...) and one line on what it is for and when to take it; NULL
