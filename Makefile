@@ -583,7 +583,7 @@ INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
 # problems that the guide solves
-DATA := $(wildcard data/README.md data/fclib/* data/lcp/* data/failures/* data/jean-1988/*)
+DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 # the pages of the guide; the others are about the source
 GUIDE := $(filter-out docs/contributing.md docs/decisions.md docs/source.md,$(wildcard docs/*.md))
 ZSHDIR ?= $(DATADIR)/zsh/site-functions
@@ -621,13 +621,13 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
 	install -m 644 src/cli/completion.zsh $(DESTDIR)$(ZSHDIR)/_delassus
 	install -m 644 src/cli/completion.fish $(DESTDIR)$(FISHDIR)/delassus.fish
-	for page in README.md CHANGELOG.md examples/README.md $(GUIDE); do \
+	for folder in $(sort $(dir $(DATA))); do install -d $(DESTDIR)$(DOCDIR)/$$folder; done
+	for page in README.md CHANGELOG.md examples/README.md data/failures/README.md $(GUIDE); do \
 	  awk -f docs/installed.awk $$page > $(DESTDIR)$(DOCDIR)/$$page && chmod 644 $(DESTDIR)$(DOCDIR)/$$page || exit 1; done
 	install -m 644 LICENSE $(DESTDIR)$(DOCDIR)/
 	install -m 644 docs/*.png $(DESTDIR)$(DOCDIR)/docs/
 	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/docs/pictures/
 	install -m 644 examples/*.c examples/*.cpp examples/*.f90 examples/*.py $(DESTDIR)$(DOCDIR)/examples/
-	for folder in $(sort $(dir $(DATA))); do install -d $(DESTDIR)$(DOCDIR)/$$folder; done
 	for file in $(DATA); do install -m 644 $$file $(DESTDIR)$(DOCDIR)/$$file || exit 1; done
 	install -m 644 $(filter-out %.md,$(wildcard examples/python/*)) $(DESTDIR)$(DOCDIR)/examples/python/
 	if [ -f $(BUILD)/docs/html/index.html ]; then cp -r $(BUILD)/docs/html $(DESTDIR)$(DOCDIR)/; fi
