@@ -582,6 +582,7 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
+MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile)
 # problems that the guide solves
 DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 # the pages of the guide; the others are about the source
@@ -591,14 +592,16 @@ FISHDIR ?= $(DATADIR)/fish/vendor_completions.d
 FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|'
 
 # the guide as HTML with a search, $(BUILD)/docs/html/index.html; installed by `make install` once it is there
-.PHONY: docs
+.PHONY: docs docs-html
 docs:
 	@$(DEPS) docs
+	@$(MAKE) --no-print-directory docs-html
+	@python3 tests/guide.py $(BUILD)/docs/html $(BUILD)
+	@python3 tests/links.py $(BUILD)/docs/html include
+docs-html:
 	@mkdir -p $(BUILD)/docs
 	@{ cat docs/Doxyfile; echo 'PROJECT_NUMBER = $(VERSION)'; echo 'OUTPUT_DIRECTORY = $(BUILD)/docs'; \
 	  echo 'INPUT = $(GUIDE) examples/README.md $(wildcard include/*.h include/delassus/*.h)'; } | doxygen -
-	@python3 tests/guide.py $(BUILD)/docs/html $(BUILD)
-	@python3 tests/links.py $(BUILD)/docs/html include
 
 .PHONY: install
 install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
@@ -616,8 +619,8 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	$(FILL) src/delassus-files.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus-files.pc
 	$(FILL) src/delassus-config.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config.cmake
 	$(FILL) src/delassus-config-version.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config-version.cmake
-	docs/man.sh 1 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/delassus.1
-	docs/man.sh 3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
+	for page in $(MAN1); do docs/man.sh $$page $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/$$page || exit 1; done
+	docs/man.sh delassus.3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
 	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
 	install -m 644 src/cli/completion.zsh $(DESTDIR)$(ZSHDIR)/_delassus
 	install -m 644 src/cli/completion.fish $(DESTDIR)$(FISHDIR)/delassus.fish
@@ -637,7 +640,7 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-files.a libdelassus-fe.a libdelassus-mpi.a \
 	  $(foreach so,$(notdir $(SO) $(FILES_SO)),$(so) $(so).$(SOVERSION) $(so).$(VERSION)) pkgconfig/delassus.pc pkgconfig/delassus-files.pc) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
-	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
+	  $(addprefix $(DATADIR)/man/man1/,$(MAN1)) $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
 	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
