@@ -31,8 +31,7 @@ static void solve_usage(FILE *out) {
       "An FCLIB file holds fclib_local/ with W, vectors/q, vectors/mu and spacedim, or\n"
       "fclib_global/ with M, H, vectors/f, vectors/w, vectors/mu and spacedim; a matrix is a group "
       "of\n"
-      "m n nz nzmax p i x, with nz = -1 compressed columns. delassus(1), docs/files.md: the "
-      "details.\n"
+      "m n nz nzmax p i x, with nz = -1 compressed columns. The details: delassus-solve(1).\n"
       "\n",
       out);
   matrices_usage(out);
