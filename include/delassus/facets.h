@@ -12,12 +12,12 @@
  *
  * and one, z = r_n, y = u_n, for one with mu = 0. lambda is the size of the slip. The polygon lies
  * inside the disc: reactions never leave the round cone, and friction falls short of mu r_n by at
- * most the part 1 - cos(pi / facets), 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes that
+ * most the fraction 1 - cos(pi / facets), 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes that
  * error.
  *
- * d = 1 and 2 have facets = 2, the directions t and -t, and no error: 4 rows per candidate where
- * dls_contact_to_lcp has 3. It is the form to prefer where that one ends in a ray: with W positive
- * definite there is none here, whatever mu (lcp/facets.c).
+ * d = 1 and 2 have facets = 2, the directions t and -t, and no error: 4 rows per contact where
+ * dls_contact_to_lcp has 3. Use this form if the other one ends in a ray: with W positive definite
+ * it has none, for each mu.
  */
 #ifndef DELASSUS_FACETS_H
 #define DELASSUS_FACETS_H

@@ -105,8 +105,8 @@ typedef enum dls_fe_order {
   DLS_FE_SIDE_FIRST = 2
 } dls_fe_order;
 
-/* Fill by dls_fe_scene_settings_init, then change what you like; NULL in their place: the
- * defaults. */
+/* Settings: call dls_fe_scene_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. */
 typedef struct dls_fe_scene_settings {
   size_t size;        /* set by init; settings without it are refused */
   int nx, ny;         /* rectangles along x and y; 0: the scene's own; 0 */

@@ -1,7 +1,7 @@
 /*
  * delassus/files.h: reads and writes contact problems as FCLIB files (HDF5; Acary et al., INRIA
  * RT-0444) and dense matrices as Matrix Market files; reads sparse matrices from Matrix Market and
- * CalculiX files and small problems from text. docs/files.md says what each file holds.
+ * CalculiX files and small problems from text. The guide, "Files", describes them.
  *
  * These functions are in a library of their own, libdelassus-files: link -ldelassus-files
  * -ldelassus (pkg-config delassus-files). Built without HDF5 it answers DLS_E_UNSUPPORTED to the

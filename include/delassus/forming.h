@@ -38,8 +38,8 @@ typedef enum dls_forming_way {
   DLS_FORMING_BY_METHOD = 3 /* the method of the settings */
 } dls_forming_way;
 
-/* Fill by dls_forming_settings_init, then change what you like; NULL in their place: the
- * defaults. */
+/* Settings: call dls_forming_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. */
 typedef struct dls_forming_settings {
   size_t size;                 /* set by init; settings without it are refused */
   int nx, ny;                  /* elements along x and y; 0: the scene's own; 0 */

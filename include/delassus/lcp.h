@@ -51,10 +51,10 @@ DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, do
 
 /* ---- Lemke ----------------------------------------------------------------------------------- */
 
-/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one exchange ("pivot")
+/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one pivot
  * at a time, y_i or z_i being 0 for every i; d > 0 is the covering vector ([C] (42) has d = 1).
- * It ends because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a
- * solution, or in a ray, along which it cannot decide. */
+ * It ends because the pivots are lexicographic: at z0 = 0, which is a
+ * solution, or in a ray, which decides nothing. */
 typedef struct dls_lemke_settings {
   /* max_iterations: pivots, and rounds of `crash`; the method's own limit: 50 n + 1000.
    * warm_start: begin at the basis of z as passed in, z_i basic where z_i > 0 and y_i elsewhere, as
@@ -66,12 +66,12 @@ typedef struct dls_lemke_settings {
    * factors C that with some row factors bring the entries of M near 1; where this d ends in a ray
    * without a proof, up to nine more, it times factors between 1/32 and 32 */
   const double *cover;
-  /* 1, the default, and no cover: first exchange many pairs at once (lcp/crash.c), each round for a
-   * factorisation of the basis or less, 2/3 (n/2)^3 flops if half of the z_i are basic. If that
-   * ends at a solution, after 5 to 10 rounds as a rule, there is no path. Else it gives up,
-   * commonly after one to six rounds, at the latest after 14 log(2 n) + 4, nothing of it is kept,
-   * and the path is the one without it. Of several solutions it may find another one than the path.
-   * 0, or with a `cover`: the path alone */
+  /* 1, the default, and no cover: pivot many pairs at once first. A round costs at most a
+   * factorisation of the basis, 2/3 (n/2)^3 flops if half of the z_i are basic. If that
+   * ends at a solution, usually after 5 to 10 rounds, no path is followed. Otherwise it gives up,
+   * usually after one to six rounds, at the latest after 14 log(2 n) + 4, and the path starts
+   * without it. Of several solutions it may find another one than the path. 0, or with a `cover`:
+   * the path alone */
   int crash;
 } dls_lemke_settings;
 
@@ -89,7 +89,7 @@ typedef struct dls_lemke_info {
 
 typedef struct dls_lemke dls_lemke; /* workspace for n <= the n of create */
 
-/* *out := new workspace, NULL on error; the settings and the cover are copied. It holds
+/* Creates a workspace: *out, NULL on error. The settings and the cover are copied. It holds
  * n (n + 1) + 330 n doubles or so. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
  * DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
@@ -125,7 +125,7 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_ray(const dls_lemke *workspace, double
 DLS_API DLS_MUST_USE dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v,
                                                  dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_lemke_destroy(dls_lemke *workspace);
 
 /* ---- proofs, checked in O(n^2) --------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /*
  * delassus/motion.h: bodies that move: the theta scheme with contact and friction, and paths of
- * equilibria. [Jean 1988] 2 and 3; docs/motion.md says when to take which law.
+ * equilibria. [Jean 1988] 2 and 3; The guide, "Bodies that move", says when to use which law.
  *
  *   M v' + C v + K x = f + H p/h,   gap = gap0 + H_n^T x - y_n,   u = H^T v - y'
  *   A = M + h theta C + h^2 theta^2 K                                 reduced once for a given h
@@ -53,7 +53,7 @@ typedef struct dls_motion_model {
   int nodes;                       /* contact nodes, >= 0 */
   dls_factorization factorization; /* of M, C, K and A: DLS_CHOLESKY, DLS_LDLT or DLS_LU; of
                                       DLS_CHOLESKY, with multipliers among the unknowns (model.h) A
-                                      is factored as DLS_LDLT */
+                                      is factorised as DLS_LDLT */
   dls_sparse M;                    /* n x n; M.p = NULL for a path */
   dls_sparse C;                    /* n x n; C.p = NULL for none; a path has none */
   dls_sparse K;                    /* n x n; K.p = NULL for none: rigid bodies */
@@ -109,9 +109,10 @@ DLS_API DLS_MUST_USE dls_status dls_motion_step(dls_motion *motion, const double
                                                 const double *y, const double *mu, dls_info *info,
                                                 dls_error *error);
 
-/* Changes the step h from the next step on: A is formed and factored anew, on the old pattern. The
- * state stays. After another error than that of a wrong h only start, set_h and destroy are left.
- * DLS_E_ARGUMENT, the errors of dls_reduction_update. On a path h is nothing but the unit of y'. */
+/* Changes the step h from the next step on: A is formed and factorised anew, on the old pattern.
+ * The state stays. After another error than that of a wrong h only start, set_h and destroy are
+ * left. DLS_E_ARGUMENT, the errors of dls_reduction_update. On a path h is nothing but the unit of
+ * y'. */
 DLS_API DLS_MUST_USE dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error);
 
 /* Changes the limits of the contact problem from the next step on. */
@@ -170,7 +171,7 @@ DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion
 DLS_API DLS_MUST_USE dls_status dls_motion_get_problem(const dls_motion *motion,
                                                        dls_contact *problem, dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_motion_destroy(dls_motion *motion);
 
 #ifdef __cplusplus

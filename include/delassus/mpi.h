@@ -4,7 +4,7 @@
  *   K x = f + H r,   u = H^T x + g,   W = H^T K^-1 H,   q = H^T K^-1 f + g,   u = W r + q
  *
  * as in reduction.h. Every process (rank) of a communicator has a share of the rows and of the
- * contact nodes; K is factored by the distributed MUMPS, the Schur complement and W are
+ * contact nodes; K is factorised by the distributed MUMPS, the Schur complement and W are
  * block-cyclic matrices of ScaLAPACK. The functions belong to libdelassus-mpi (make MPI=1), which
  * holds all of libdelassus, too, and is linked in its place.
  *

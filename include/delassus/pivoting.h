@@ -51,7 +51,7 @@ DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
  *
  *   DLS_OK              certified; the only solution if M is a P-matrix
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
- *                       z is the basis of least residual met, its negative parts set to 0
+ *                       z is the basis of least residual found, its negative parts set to 0
  *   DLS_STALLED         a principal submatrix is singular to working precision (condition number
  *                       above 1 / (n eps) when equilibrated), so that M is no P-matrix, or nearly
  *                       none; or the last basis is feasible and the certificate does not hold; z as
@@ -63,7 +63,7 @@ DLS_API DLS_MUST_USE dls_status dls_principal_solve(dls_principal *workspace, co
                                                     double *z, double *y, dls_principal_info *info,
                                                     dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_principal_destroy(dls_principal *workspace);
 
 /* ---- all solutions --------------------------------------------------------------------------- */

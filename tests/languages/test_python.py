@@ -811,7 +811,7 @@ class Library(unittest.TestCase):
             text = document.read()
         scipy_block, h5py_block = [part.split("```")[0] for part in text.split("```python\n")[1:]]
         command = next(line.split()[1:] for line in text.split(scipy_block)[1].splitlines()
-                       if line.startswith("    delassus solve"))
+                       if line.startswith("delassus solve"))
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as directory:
             os.chdir(directory)
