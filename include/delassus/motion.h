@@ -1,6 +1,6 @@
 /*
  * delassus/motion.h: bodies that move: the theta scheme with contact and friction, and paths of
- * equilibria. [Jean 1988] 2 and 3; The guide, "Bodies that move", says when to use which law.
+ * equilibria. [Jean 1988] 2 and 3. The guide, "Bodies that move", says when to use which law.
  *
  *   M v' + C v + K x = f + H p/h,   gap = gap0 + H_n^T x - y_n,   u = H^T v - y'
  *   A = M + h theta C + h^2 theta^2 K                                 reduced once for a given h
@@ -63,7 +63,8 @@ typedef struct dls_motion_model {
   const double *gap;               /* nodes: gap at x = 0; NULL for 0; read by create only */
 } dls_motion_model;
 
-/* Fill by dls_motion_settings_init, then change what you like. */
+/* Settings: call dls_motion_settings_init, set h, then change fields. The default stands last in
+ * each comment. */
 typedef struct dls_motion_settings {
   dls_limits limits;  /* of the contact problem of a step; tol: 1e-12; warm_start: 1, from the
                          impulses of the step before */
@@ -74,10 +75,11 @@ typedef struct dls_motion_settings {
   double theta;       /* 1/2 <= theta <= 1; 1/2 */
   double restitution; /* e, 0 <= e <= 1, of the velocity form; 0 */
   double activation;  /* >= 0: gap below which a candidate is closed in the velocity form; a small
-                         part of the bodies' size where they rest on each other; 0     length */
-  double forecast;    /* 0 <= forecast <= 1: part of the step by which the gap is foreseen; 1/2 */
-  int stabilize;      /* path: 1: bodies that nothing but contact holds, on K; a singular K goes
-                         there by itself, with method auto; 0 */
+                         fraction of the bodies' size if they rest on each other; 0     length */
+  double forecast;    /* 0 <= forecast <= 1: fraction of the step after which the gap is predicted;
+                         1/2 */
+  int stabilize;      /* path: 1: solve on K, for bodies that contact alone holds; a singular K is
+                         solved there in any case, with method auto; 0 */
 } dls_motion_settings;
 
 /* Sets each field to its default. */
@@ -85,16 +87,16 @@ DLS_API void dls_motion_settings_init(dls_motion_settings *settings);
 
 typedef struct dls_motion dls_motion;
 
-/* *out := the bodies at rest at x = 0, NULL on error. Reduces A: the memory is that of
- * dls_reduction_create and dls_solver_create, and O(n + nnz). All arguments are checked before any
- * work: DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ...
- * and the index. The errors of dls_reduction_create: of a singular A they name M, on a path K. */
+/* Creates a motion: *out, the bodies at rest at x = 0; NULL on error. Reduces A. Memory: that of
+ * dls_reduction_create and dls_solver_create, and O(n + nnz). Checks all arguments before any work:
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ... and
+ * the index. The errors of dls_reduction_create: of a singular A they name M, on a path K. */
 DLS_API DLS_MUST_USE dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,
                                                   const dls_motion_settings *settings,
                                                   dls_error *error);
 
-/* Starts anew from x and v (n; NULL for 0; a path has no v) at time t: impulses, slip, works, the
- * obstacle's way and the count of steps become 0. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
+/* Restarts from x and v (n; NULL for 0; a path has no v) at time t: impulses, slip, works, the
+ * travel of the obstacle and the count of steps become 0. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_motion_start(dls_motion *motion, const double *x,
                                                  const double *v, double t, dls_error *error);
 
@@ -103,16 +105,15 @@ DLS_API DLS_MUST_USE dls_status dls_motion_start(dls_motion *motion, const doubl
  * NULL for 0); info or NULL: of the contact problem.
  *
  * DLS_OK: the contact problem is certified to limits.tol. Any other status, > 0 or an error: the
- * state is that of the step before; the host may take other limits, or a smaller h, and try again.
- * One solve with A and half of one. Allocates nothing (MUMPS does). */
+ * state is that of the last step; change the limits or reduce h, and try again. Takes one and a
+ * half solves with A. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_motion_step(dls_motion *motion, const double *f,
                                                 const double *y, const double *mu, dls_info *info,
                                                 dls_error *error);
 
-/* Changes the step h from the next step on: A is formed and factorised anew, on the old pattern.
- * The state stays. After another error than that of a wrong h only start, set_h and destroy are
- * left. DLS_E_ARGUMENT, the errors of dls_reduction_update. On a path h is nothing but the unit of
- * y'. */
+/* Changes the step h from the next step on: forms and factorises A again, on the old pattern. The
+ * state stays. On a path h is only the unit of y'. DLS_E_ARGUMENT for a wrong h, and the errors of
+ * dls_reduction_update, after which only start, set_h and destroy may be called. */
 DLS_API DLS_MUST_USE dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error);
 
 /* Changes the limits of the contact problem from the next step on. */

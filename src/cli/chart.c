@@ -33,14 +33,14 @@ typedef struct chart_options {
 static void chart_usage(FILE *out) {
   fputs(
       "Usage: delassus chart [OPTION]... FILE|SCENE\n"
-      "Every method on one contact problem (FCLIB, HDF5; or a scene of 'delassus scene --list'),\n"
-      "tolerances 1e-2 to 1e-14: CPU, residual, true error, convergence. Prints a table and the\n"
-      "method to take; writes chart.csv, history.csv and the picture chart.png, chart.svg.\n"
+      "Runs each method on one contact problem (a file, or a scene of 'delassus scene --list') to\n"
+      "tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and convergence. Prints a\n"
+      "table and the method to take; writes chart.csv, history.csv, chart.png and chart.svg.\n"
       "\n"
-      "  -r, --repeat=N        time each solve up to N times, the least counts (25)\n"
-      "  -l, --limit=S         CPU seconds that a solve may always take (1); more while it is\n"
-      "                        within 30 times the fastest\n"
-      "  -b, --budget=S        CPU seconds of all solves, about (12)\n"
+      "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"
+      "  -l, --limit=S         CPU seconds for a solve (1), or 30 times the fastest if that is\n"
+      "                        more\n"
+      "  -b, --budget=S        approximate CPU seconds of all solves (12)\n"
       "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
       "printed)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed at a tolerance, 2 bad input.\n",

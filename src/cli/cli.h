@@ -164,7 +164,7 @@ int wrong_names(const char *name);
 #define LAST_KEYS "jvqh"
 #define LAST_USAGE                                                                                 \
   "  -j, --json            print one JSON object instead of text\n"                                \
-  "  -v, --verbose         tell of the way on stderr, line by line\n"                              \
+  "  -v, --verbose         print progress on stderr\n"                                             \
   "  -q, --quiet           print the last line only, and what another option asks for\n"           \
   "  -h, --help            this text\n"
 

@@ -22,10 +22,10 @@ static void converge_usage(FILE *out) {
   fputs(
       "Usage: delassus converge SCENE [OPTION]...\n"
       "Runs bar-impact, bar-bounce or bar-fixed on meshes of N, 2 N, 4 N, ... elements and prints\n"
-      "the L2 error of the gap beside the closed form, and the order at which it falls.\n"
+      "the L2 error of the gap relative to the closed form, and its order.\n"
       "\n"
       "      --from=N          elements of the first mesh (25)\n"
-      "      --meshes=K        meshes, each with twice the elements of the one before (5)\n",
+      "      --meshes=K        number of meshes, each with twice the elements (5)\n",
       out);
   moving_usage_options(out);
   fputs("  -o, --out=DIR         write converge.csv and a picture\n" LAST_USAGE, out);

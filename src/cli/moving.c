@@ -21,7 +21,7 @@ void moving_usage_options(FILE *out) {
   char methods[METHOD_LIST_ROOM];
   fprintf(
       out,
-      "      --law=LAW         velocity: impacts, a candidate is active when it is closed;\n"
+      "      --law=LAW         velocity: impacts, a contact is active when it is closed;\n"
       "                        gap: no penetration at the end of a step; path: equilibria, no\n"
       "                        mass (velocity; jean-moving, two-blocks: path)\n"
       "      --theta=T         of the scheme, .5 to 1 (velocity: .5; gap: 1)\n"
@@ -34,7 +34,7 @@ void moving_usage_options(FILE *out) {
       "      --upper=N         two-blocks: elements of the upper block along x (11)\n"
       "      --mu=MU           friction (0; jean-moving 1, jean-moving4 .1, block-drop .3,\n"
       "                        two-blocks .25)\n"
-      "      --amplitude=A     jean-moving: of the obstacle's way (1e-5 m)\n"
+      "      --amplitude=A     jean-moving: amplitude of the obstacle (1e-5 m)\n"
       "      --frequency=F     jean-moving: cycles per unit of time (path: 1; else 1000)\n"
       "  -m, --method=METHOD   for the contact problems: %s\n"
       "  -t, --tol=T           on their certificates (1e-12)\n",

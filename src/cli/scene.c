@@ -30,13 +30,12 @@ typedef struct scene_options {
 static const double default_tol = 1e-14;
 
 static void scene_usage(FILE *out) {
-  fputs(
-      "Usage: delassus scene [OPTION]... NAME\n"
-      "  or:  delassus scene --list\n"
-      "Runs a built-in scene and prints displacements and reactions of its candidates. Scenes in\n"
-      "load steps or in time have options of their own: delassus scene NAME --help.\n"
-      "\n",
-      out);
+  fputs("Usage: delassus scene [OPTION]... NAME\n"
+        "  or:  delassus scene --list\n"
+        "Runs a built-in scene and prints displacements and reactions of its contacts. Scenes in\n"
+        "load steps or in time have options of their own: delassus scene NAME --help.\n"
+        "\n",
+        out);
   solver_usage(
       out,
       ",\n                        or gauss-seidel, on the displacements; or jean, the paper's"
@@ -50,7 +49,7 @@ static void scene_usage(FILE *out) {
       "      --load=TOP,SIDE[,SIDE_TOP]\n"
       "                        pressure on top, traction on the side, at its bottom and its top\n"
       "                        (5e8,9e8,25e8; 5e8,5e8)\n"
-      "      --order=HOW       the loads come on together (default), top-first or side-first\n"
+      "      --order=HOW       order of the loads: together (default), top-first or side-first\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"

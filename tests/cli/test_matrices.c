@@ -334,7 +334,7 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --flexibility @/K.txt --HN @/N.txt", "one of --stiffness"},
       {"--stiffness @/none --HN @/N.txt", "cannot be opened"},
       {"--stiffness @/K.txt --f @/f.txt --mu 0", "one of --HN"},
-      {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt", "--mu: is wanted"},
+      {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt", "give --mu, 0 for no friction"},
       {"--stiffness @/K.txt --HN @/N.txt --mu 0.3", "needs the tangents"},
       {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu nan", "--mu: friction is nan"},
       {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu -1", "--mu: friction is -1"},
