@@ -116,7 +116,8 @@ DLS_API DLS_MUST_USE dls_status dls_motion_step(dls_motion *motion, const double
  * dls_reduction_update, after which only start, set_h and destroy may be called. */
 DLS_API DLS_MUST_USE dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error);
 
-/* Changes the limits of the contact problem from the next step on. */
+/* Changes the limits of the contact problem from the next step on. Errors of
+ * dls_solver_set_limits. */
 DLS_API DLS_MUST_USE dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits,
                                                       dls_error *error);
 
@@ -130,8 +131,8 @@ typedef struct dls_motion_state {
   const double *p;     /* d candidates: impulse of the step; on a path the reactions, forces */
   const double *u;     /* d candidates: H^T v+ - y'; on a path H^T (x+ - x) - h y', a length */
   const double *gap;   /* candidates: after the step */
-  const double *slip; /* (d-1) candidates: the sum of all h (theta u_t+ + (1-theta) u_t), the way of
-                          the body's point on the obstacle                     length */
+  const double *slip; /* (d-1) candidates: the sum of all h (theta u_t+ + (1-theta) u_t), the travel
+                          of the body's point on the obstacle                  length */
   const dls_contact_state *state; /* candidates; DLS_FREE where it took no part */
   int active;                     /* candidates in the contact problem of the step */
   const int *active_list;         /* active: their numbers, ascending */
@@ -149,7 +150,7 @@ typedef struct dls_motion_energies {
   double load;             /* h f.v_th */
   double damping;          /* -h v_th.C v_th */
   double obstacle;         /* p.y', of the obstacle's motion */
-  double friction;         /* p_t.u_t,th; > 0 only for theta < 1, where slip turns round */
+  double friction;         /* p_t.u_t,th; > 0 only for theta < 1, where slip reverses */
   double impact;           /* p_n.u_n,th; on a path r_n (gap+ - gap) */
   double numerical;        /* (1/2 - theta)(|dv|_M^2 + |dx|_K^2); on a path -|dx|_K^2 / 2 */
   /* |left - right| of the identity in the last step, and what is rounded in it: the largest so far
@@ -166,9 +167,9 @@ DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion
                                                         dls_motion_energies *energies,
                                                         dls_error *error);
 
-/* Gives the contact problem of the last step, certified or not: of the active candidates, nc = 0
- * where there was none, and on a path whose problem is solved on K. For dls_contact_diagnose and
- * for solving it otherwise; it lives until the next step. */
+/* Returns the contact problem of the last step, certified or not: of the active candidates; nc = 0
+ * without any, and on a path that is solved on K. Use it with dls_contact_diagnose, or to solve the
+ * problem by another method. It lives until the next step. DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_problem(const dls_motion *motion,
                                                        dls_contact *problem, dls_error *error);
 
