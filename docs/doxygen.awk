@@ -84,6 +84,7 @@ function finish(    k) {
     while (count && text[1] == "") { for (k = 1; k < count; k++) text[k] = text[k + 1]; count-- }
     sub(/^delassus\/[a-z]+\.h: */, "", text[1])
     sub(/^delassus\.h: */, "", text[1])
+    text[1] = toupper(substr(text[1], 1, 1)) substr(text[1], 2)
     print emit("/** \\file\n")
     return
   }
