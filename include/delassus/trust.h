@@ -37,7 +37,7 @@ typedef struct dls_solution_set {
  *
  * DLS_OK: all are listed, up to 1e-10 of the scaled data. DLS_NO_SOLUTION: none, and each choice of
  * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's
- * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
+ * method has a proof. DLS_NO_SOLUTION_LIKELY: none, up to rounding. DLS_MAX_ITERATIONS: there are
  * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
  * of states from being decided; the list holds the others. Else an error:
  * DLS_E_UNSUPPORTED for d = 3 or an infinite mu, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT,
@@ -91,7 +91,7 @@ typedef struct dls_proof {
   double perturbed; /* DLS_PROVED_POSITIONS: bound on the change of q over the largest |q| */
   int rows;         /* unknowns of the states of r, ... */
   int freedom;      /* ... and how many of them no equation determines: self-stresses */
-  int border;       /* contacts that are, but for rounding, on the border of two states; the first
+  int border;       /* contacts that are, up to rounding, on the border of two states; the first
                        of them (-1: none) and its states: */
   int contact;
   dls_contact_state state, other;

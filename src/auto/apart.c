@@ -10,7 +10,7 @@
  * others away. Levers, as rigid bodies have them, are not like that.
  *
  * Cost: at most d numbers of W for each pair of candidates, less where the proof fails. It pays
- * where two in five candidates or more are left out: a sweep changes as many numbers less. Without
+ * where at least 40 % of the contacts are left out: a sweep changes as many numbers less. Without
  * memory for the list nothing is left out.
  */
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /*
  * auto.c: the method "auto": other methods in turn, as a plan says (plan.c).
  *
- *   (AT1)  where two in five candidates or more provably cannot touch, a cold solve begins with the
+ *   (AT1)  where at least 40 % of the contacts provably cannot touch, a cold solve begins with the
  *          problem of the others, a copy (apart.c); without an answer of it the whole is solved as
  *          if there had been no copy
  *   (AT2)  a warm solve follows the line through the last two answers, and may begin with a step of

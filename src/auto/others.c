@@ -1,5 +1,6 @@
 /*
- * others.c: whether a certified answer is the only one. A cheap look: facts/diagnose.c knows more.
+ * others.c: whether a certified answer is the only one. An inexpensive search: facts/diagnose.c
+ * knows more.
  */
 #include <math.h>
 

@@ -4,7 +4,7 @@
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly.
  *
- *   elastic   W dense, or by blocks with a fourth of all blocks and more
+ *   elastic   W dense, or by blocks with at least 25 % of all blocks
  *   few       W by blocks, less than a fourth of all, up to 100 candidates
  *   packing   W by blocks, more than 100 candidates
  *   tight     a packing beyond 1000 candidates, or one of bodies with d + 1 contacts each or more,

@@ -20,7 +20,7 @@ enum { sure_starts = 2 };                   /* candidates, d = 3, whose states t
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta| */
 
 /* Returns 1 if the augmented Lagrangian has ended with a direction delta along which W delta is 0
- * but for rounding: w: weights, set already. */
+ * up to rounding: w: weights, set already. */
 static int runs_away(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;

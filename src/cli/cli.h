@@ -304,7 +304,7 @@ int write_results(const char *directory, const problem *p, const double *r, cons
 /* The meaning of a solve that ended without an answer. */
 typedef struct verdict {
   const char *says, *next; /* NULL: there is nothing to say */
-  int exact;               /* 1: farkas is a proof, 0: but for rounding */
+  int exact;               /* 1: farkas is a proof, 0: up to rounding */
   int rows, stride;        /* of farkas, and numbers in a row of ray */
   const double *farkas;    /* rows, or NULL */
   const double *ray;       /* rows x stride, along which the unknowns run away, or NULL */
@@ -312,7 +312,7 @@ typedef struct verdict {
   int unknowns, mover;     /* mover: an unknown of that body */
 } verdict;
 
-/* Fills says, next and exact; farkas tells a ray that has a solution excluded but for rounding. */
+/* Fills says, next and exact; farkas tells a ray that has a solution excluded up to rounding. */
 void verdict_fill(verdict *v, dls_status status, int lcp);
 
 /* Prints the verdict; with proof = 1 the vectors, too. */

@@ -155,7 +155,7 @@ static void print_solutions(int m, const trust *t) {
   if (t->status == DLS_NO_SOLUTION)
     puts("  this load has no solution (proved, state by state)");
   else if (t->status == DLS_NO_SOLUTION_LIKELY)
-    puts("  this load has no solution, but for rounding");
+    puts("  this load has no solution, up to rounding");
   else
     printf("  all solutions for this load: %d isolated, %d continu%s%s\n", set->isolated,
            set->continua, set->continua == 1 ? "um" : "a",

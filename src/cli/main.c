@@ -36,7 +36,7 @@ static void program_usage(FILE *out) {
 /* Is in OpenBLAS alone; NULL with another BLAS. */
 extern void openblas_set_num_threads(int count) __attribute__((weak));
 
-/* OpenBLAS looks for ever for the memory of its buffer if there is none (a limit on the address
+/* OpenBLAS looks without end for the memory of its buffer if there is none (a limit on the address
  * space: ulimit -v, a batch system). Has it take that now, before anything else takes memory.
  * Returns 0 after a complaint. */
 static int blas_takes_memory(void) {

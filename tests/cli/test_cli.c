@@ -695,7 +695,7 @@ START_TEST(a_folder_has_one_owner) {
 }
 END_TEST
 
-/* A solve that cycles for ever ends on each signal with its history so far. */
+/* A solve that cycles without end ends on each signal with its history so far. */
 START_TEST(signals_end_a_solve) {
   static const char *const signals[] = {"INT", "TERM", "HUP", "XCPU"};
   char text[2000], command[600];
