@@ -1,0 +1,663 @@
+/*
+ * test_derive.c: derivatives beside closed forms and central differences of answers that are
+ * improved to rounding, extrapolated (Romberg) from steps that keep the states; kinks beside
+ * one-sided differences.
+ */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cases.h"
+#include "delassus/derive.h"
+#include "delassus/fe.h"
+#include "delassus/forming.h"
+#include "delassus/solve.h"
+#include "delassus/trust.h"
+#include "errors.h"
+#include "fclib_file.h"
+#include "linkage.h"
+#include "malloc_fails.h"
+#include "run.h"
+#include "solids.h"
+
+static const double tol = 1e-7; /* of a derivative against differences */
+
+static double *numbers(size_t n) {
+  double *x = calloc(n + 1, sizeof *x);
+  ck_assert_ptr_nonnull(x);
+  return x;
+}
+
+static double dot(const double *x, const double *y, size_t n) {
+  double sum = 0;
+  for (size_t i = 0; i < n; i++)
+    sum += x[i] * y[i];
+  return sum;
+}
+
+/* ---- differences ----------------------------------------------------------------------------- */
+
+/* Fills out (size) and state (nc) with the answer for the data + h direction; 0: not solved. */
+typedef int answer_at(void *data, double h, double *out, dls_contact_state *state);
+
+/* D (size) := d answer / d h at 0, extrapolated from four differences that halve their steps:
+ * central ones (sign 0), or to the right or the left (1, -1), of steps that keep the states of 0 or
+ * of a tiny step to that side. Returns 0 if there are no such steps. */
+static int differentiate(answer_at *answer, void *data, int sign, int size, int nc, double *D) {
+  enum { levels = 4, tries = 9 };
+  const size_t states = (size_t)nc * sizeof(dls_contact_state);
+  double *T[levels], *at[2] = {numbers((size_t)size), numbers((size_t)size)}, best = INFINITY;
+  dls_contact_state *state = malloc(states + 1), *own = malloc(states + 1);
+  for (int k = 0; k < levels; k++)
+    T[k] = numbers((size_t)size);
+  ck_assert(!sign || answer(data, sign * 1e-7, at[1], own));
+  ck_assert(answer(data, 0, at[1], sign ? state : own));
+  for (int try = 0; try < tries && best > 1e-10; try++) {
+    double h = pow(8, -1 - try), change = 0, norm = 0;
+    int kept = 1;
+    for (int k = 0; kept && k < levels; k++, h /= 2) {
+      const double power = sign ? 2 : 4;
+      double factor = power;
+      kept = answer(data, sign ? sign * h : h, at[0], state);
+      kept = kept && !memcmp(state, own, states);
+      if (kept && !sign) kept = answer(data, -h, at[1], state) && !memcmp(state, own, states);
+      for (int i = 0; i < size; i++)
+        T[k][i] = (at[0][i] - at[1][i]) / (sign ? sign * h : 2 * h);
+      for (int l = k - 1; l >= 0; l--, factor *= power)
+        for (int i = 0; i < size; i++)
+          T[l][i] = T[l + 1][i] + (T[l + 1][i] - T[l][i]) / (factor - 1);
+    }
+    for (int i = 0; i < size; i++) {
+      change = hypot(change, T[0][i] - T[1][i]);
+      norm = hypot(norm, T[0][i]);
+    }
+    if (!kept || !(change < best * norm || best == INFINITY)) continue;
+    best = norm > 0 ? change / norm : 0;
+    memcpy(D, T[0], (size_t)size * sizeof *D);
+  }
+  for (int k = 0; k < levels; k++)
+    free(T[k]);
+  free(at[0]);
+  free(at[1]);
+  free(state);
+  free(own);
+  return best < INFINITY;
+}
+
+/* ---- contact problems ------------------------------------------------------------------------ */
+
+/* A problem and a direction of its data. */
+typedef struct moved {
+  dls_contact p;
+  size_t m, nc, values;
+  const double *W;               /* stored values */
+  double *dW, *dq, *dmu, *start; /* r at 0 */
+  double *now;                   /* W, q, mu moved */
+} moved;
+
+static size_t stored(const dls_contact *p, const double **W) {
+  const size_t m = (size_t)p->d * (size_t)p->nc;
+  *W = p->W.a ? p->W.a : p->Wb.x ? p->Wb.x : p->bodies.H;
+  return p->W.a    ? (size_t)p->W.ld * m
+         : p->Wb.x ? (size_t)p->d * (size_t)p->d * (size_t)p->Wb.p[p->nc]
+                   : 2 * (size_t)p->bodies.n * m;
+}
+
+static void moved_free(moved *v) {
+  free(v->dW);
+  free(v->dq);
+  free(v->dmu);
+  free(v->start);
+  free(v->now);
+}
+
+/* Draws a direction, relative to the data; mu = 0 stays. */
+static void move(moved *v, const dls_contact *p) {
+  *v = (moved){.p = *p, .nc = (size_t)p->nc, .m = (size_t)p->d * (size_t)p->nc};
+  v->values = stored(p, &v->W);
+  v->dW = numbers(v->values);
+  v->dq = numbers(v->m);
+  v->dmu = numbers(v->nc);
+  v->start = numbers(v->m);
+  v->now = numbers(v->values + v->m + v->nc);
+  const double q = norm_of(p->q, (int)v->m) / sqrt((double)v->m);
+  for (size_t k = 0; k < v->values; k++)
+    v->dW[k] = isnan(v->W[k]) ? 0 : v->W[k] * uniform() / sqrt((double)v->m); /* beyond m rows */
+  for (size_t k = 0; k < v->m; k++)
+    v->dq[k] = q * uniform();
+  for (size_t c = 0; c < v->nc; c++)
+    v->dmu[c] = p->mu[c] < INFINITY ? p->mu[c] * uniform() : 0;
+}
+
+/* Solves to rounding from the start. Returns 0 if that fails. out: r, then u. */
+static int moved_answer(void *of, double h, double *out, dls_contact_state *state) {
+  moved *v = of;
+  dls_contact p = v->p;
+  double *W = v->now, *q = W + v->values, *mu = q + v->m, *r = out, *u = out + v->m;
+  for (size_t k = 0; k < v->values; k++)
+    W[k] = v->W[k] + h * v->dW[k];
+  for (size_t k = 0; k < v->m; k++)
+    q[k] = p.q[k] + h * v->dq[k];
+  for (size_t c = 0; c < v->nc; c++)
+    mu[c] = h == 0 ? p.mu[c] : p.mu[c] + h * v->dmu[c];
+  *(p.W.a ? &p.W.a : p.Wb.x ? &p.Wb.x : &p.bodies.H) = W;
+  p.q = q;
+  p.mu = mu;
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.limits.warm_start = 1;
+  s.limits.tol = 1e-12;
+  memcpy(r, v->start, v->m * sizeof *r);
+  dls_status status = dls_solve(&p, &s, r, u, NULL, NULL);
+  if (status != DLS_OK && status != DLS_TO_ROUNDING) return 0;
+  dls_proof proof;
+  ck_assert_int_eq(dls_contact_prove(&p, r, &proof, r, NULL), DLS_OK);
+  dls_certificate c;
+  ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_states(&p, r, u, state, NULL), DLS_OK);
+  return 1;
+}
+
+/* Returns |x - y| / |y|, or over `size` where that is larger: of positions that contacts hold. */
+static double apart(const double *x, const double *y, size_t n, double size) {
+  double off = 0;
+  for (size_t i = 0; i < n; i++)
+    off = hypot(off, x[i] - y[i]);
+  size = fmax(size, norm_of(y, (int)n));
+  return size > 0 ? off / size : off;
+}
+
+/* Returns the larger difference of jvp and vjp of this direction to D (r and u), and asserts that
+ * the two agree. */
+static double compare(const moved *v, dls_derive *derive, const double *D) {
+  const size_t m = v->m;
+  double *g = numbers(2 * m), *dr = numbers(2 * m), *gq = numbers(m), *gmu = numbers(v->nc);
+  double *gW = numbers(v->values);
+  dls_error e;
+  ck_assert_msg(!dls_derive_jvp(derive, v->dq, v->dmu, v->dW, dr, dr + m, &e), "%s", e.message);
+  const double of_r = norm_of(D, (int)m), of_u = norm_of(D + m, (int)m);
+  double worst = apart(dr, D, m, 0);
+  worst = fmax(worst, apart(dr + m, D + m, m, norm_of(v->dq, (int)m)));
+  for (size_t k = 0; k < 2 * m; k++)
+    g[k] = uniform() / (k < m ? of_r > 0 ? of_r : 1 : of_u > 0 ? of_u : 1);
+  ck_assert_int_eq(dls_derive_vjp(derive, g, g + m, gq, gmu, gW, NULL), DLS_OK);
+  double L = dot(gq, v->dq, m) + dot(gmu, v->dmu, v->nc) + dot(gW, v->dW, v->values);
+  const double size = norm_of(g, (int)(2 * m));
+  ck_assert_double_le(fabs(L - dot(g, dr, 2 * m)), 1e-9 * size);
+  worst = fmax(worst, fabs(L - dot(g, D, 2 * m)) / size);
+  free(g);
+  free(dr);
+  free(gq);
+  free(gmu);
+  free(gW);
+  return worst;
+}
+
+/* Compares at the answer of p. Returns the difference; -1: no derivative. *why: of that. */
+static double judge(const dls_contact *p, dls_error *why) {
+  moved v;
+  move(&v, p);
+  double *at = numbers(2 * v.m), *D = numbers(2 * v.m), worst = -1;
+  dls_contact_state *state = malloc((v.nc + 1) * sizeof *state);
+  dls_derive *derive;
+  ck_assert_int_ge(dls_solve(p, NULL, v.start, NULL, NULL, NULL), 0);
+  ck_assert(moved_answer(&v, 0, at, state));
+  memcpy(v.start, at, v.m * sizeof *at);
+  const dls_status status = dls_derive_create(&derive, p, v.start, -1, why);
+  if (status == DLS_OK) {
+    ck_assert(differentiate(moved_answer, &v, 0, 2 * (int)v.m, p->nc, D));
+    worst = compare(&v, derive, D);
+    dls_derive_destroy(derive);
+  } else {
+    ck_assert_msg(status == DLS_E_NO_DERIVATIVE, "%s", why->message);
+    ck_assert_ptr_null(derive);
+  }
+  free(at);
+  free(D);
+  free(state);
+  moved_free(&v);
+  return worst;
+}
+
+/* ---- closed forms ---------------------------------------------------------------------------- */
+
+/* W = I in 3D, q = (-1, q_t): slips with r_t = -mu q_t / |q_t| while |q_t| > mu, and turns with
+ * q_t: dr_t / dq_t = -mu (1 - t t^T) / |q_t|. */
+START_TEST(slip_turns) {
+  static model a;
+  double r[3], dr[3], du[3], q[3], mu[1];
+  dls_derive *derive;
+  set_model(&a, 3, 1);
+  for (int i = 0; i < 3; i++)
+    a.W[4 * i] = 1;
+  a.q[0] = -1;
+  a.q[1] = 3;
+  a.q[2] = 4;
+  a.mu[0] = 0.5;
+  r[0] = 1;
+  r[1] = -0.3;
+  r[2] = -0.4;
+  ck_assert_int_eq(dls_derive_create(&derive, &a.p, r, -1, NULL), DLS_OK);
+  ck_assert_int_eq(dls_derive_jvp(derive, (double[]){0.5, 1, 0}, NULL, NULL, dr, du, NULL), DLS_OK);
+  ck_assert_double_eq_tol(dr[0], -0.5, 1e-15);
+  ck_assert_double_eq_tol(dr[1], -0.1 * 16 / 25 + 0.5 * 0.3, 1e-15);
+  ck_assert_double_eq_tol(dr[2], 0.1 * 12 / 25 + 0.5 * 0.4, 1e-15);
+  ck_assert_double_eq_tol(du[0], 0, 1e-15);
+  ck_assert_double_eq_tol(du[1], 1 + dr[1], 1e-15);
+  ck_assert_int_eq(dls_derive_vjp(derive, (double[]){0, 1, 0}, NULL, q, mu, NULL, NULL), DLS_OK);
+  ck_assert_double_eq_tol(q[0], 0.3, 1e-15);
+  ck_assert_double_eq_tol(q[1], -0.1 * 16 / 25, 1e-15);
+  ck_assert_double_eq_tol(mu[0], -0.6, 1e-15);
+  dls_derive_destroy(derive);
+}
+END_TEST
+
+/* The derivative to the right at mu = 0: r_t = -mu u_t / |u_t| r_n. Stick and free do not know
+ * mu. */
+START_TEST(friction_from_zero) {
+  static model a;
+  double r[8] = {1, 0, 1, 0, 0, 0, 1, -0.25}, dr[8], mu[4];
+  dls_derive *derive;
+  set_model(&a, 2, 4);
+  for (int i = 0; i < 8; i++)
+    a.W[9 * i] = 1;
+  memcpy(a.q, (double[]){-1, 2, -1, 0, 1, 5, -1, 0.25}, 8 * sizeof *a.q);
+  a.mu[2] = 0.5;
+  a.mu[3] = 0.5;
+  ck_assert_int_eq(dls_derive_create(&derive, &a.p, r, -1, NULL), DLS_OK);
+  ck_assert_int_eq(dls_derive_jvp(derive, NULL, (double[]){1, 1, 1, 1}, NULL, dr, NULL, NULL),
+                   DLS_OK);
+  for (int i = 0; i < 8; i++)
+    ck_assert_double_eq_tol(dr[i], i == 1 ? -1 : 0, 1e-15);
+  ck_assert_int_eq(
+      dls_derive_vjp(derive, (double[]){0, 1, 0, 1, 0, 1, 0, 1}, NULL, NULL, mu, NULL, NULL),
+      DLS_OK);
+  for (int c = 0; c < 4; c++)
+    ck_assert_double_eq_tol(mu[c], c == 0 ? -1 : 0, 1e-15);
+  dls_derive_destroy(derive);
+}
+END_TEST
+
+/* ---- random problems, files ------------------------------------------------------------------ */
+
+enum { most_m = 300 };
+
+/* W dense with a leading dimension beyond m; every third one unsymmetric. */
+static dls_contact random_problem(int i, double **memory) {
+  static const int sizes[] = {1, 2, 4, 10, 30, 60, 100};
+  set_seed((uint64_t)(i + 1));
+  const int d = 1 + i % 3, nc = sizes[i / 3 % 7], m = d * nc, ld = m + 2;
+  double *W = *memory = numbers((size_t)ld * (size_t)m + 2 * (size_t)m * (size_t)m + 2 * most_m);
+  double *A = W + ld * m, *G = A + m * m, *q = G + m * m, *mu = q + m;
+  for (int k = 0; k < m * m; k++)
+    A[k] = uniform();
+  gram(m, A, 0.1, G);
+  for (int j = 0; j < m; j++)
+    for (int k = 0; k < ld; k++)
+      W[k + j * ld] = k < m ? G[k + j * m] * (i % 4 == 3 ? 1 + 0.05 * uniform() : 1) : NAN;
+  for (int k = 0; k < m; k++)
+    q[k] = uniform() - (k % d ? 0 : 0.3);
+  for (int c = 0; c < nc; c++)
+    mu[c] = d == 1 || c % 7 == 6 ? 0 : 0.45 + 0.35 * uniform();
+  return (dls_contact){.d = d, .nc = nc, .W = {m, m, ld, W}, .q = q, .mu = mu};
+}
+
+START_TEST(random_dense) {
+  double *memory;
+  dls_error why;
+  dls_contact p = random_problem(_i, &memory);
+  const double worst = judge(&p, &why);
+  if (getenv("DERIVE_PRINT"))
+    printf("%d: %d contacts d %d, %g %s\n", _i, p.nc, p.d, worst, worst < 0 ? why.message : "");
+  ck_assert_msg(worst <= tol, "%d: %g", _i, worst);
+  if (worst < 0) ck_assert_int_ge(why.index, 0);
+  free(memory);
+}
+END_TEST
+
+/* By blocks, of rigid bodies: the gradient of what is stored. */
+START_TEST(random_storages) {
+  static model a;
+  static block_storage B;
+  static bodies_storage S;
+  dls_contact p;
+  dls_error why;
+  if (_i < 100) {
+    numbered_model(&a, _i);
+    p = by_blocks(&a, &B);
+  } else
+    bodies_model(&a, &S, &p, _i);
+  const double worst = judge(&p, &why);
+  ck_assert_msg(worst <= tol, "%d: %g", _i, worst);
+}
+END_TEST
+
+static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
+                                    "CubeH8",
+                                    "FC2D_SliderCrankLagrangian00000",
+                                    "FC3D_Example1",
+                                    "GFC3D_Example0",
+                                    "GFC3D_OneContact",
+                                    "gfc2d_granularflowonwall_00069_00350"};
+
+START_TEST(fclib_files) {
+  dls_fclib *file = read_fclib_file(files[_i]);
+  if (!file) return;
+  dls_error why;
+  dls_contact p;
+  dls_model body;
+  dls_reduction *R = NULL;
+  const double *f, *g, *mu;
+  if (dls_fclib_is_global(file)) {
+    ck_assert_int_eq(dls_fclib_model(file, &body, &f, &g, &mu, &why), DLS_OK);
+    ck_assert_int_eq(dls_reduction_create(&R, &body, &why), DLS_OK);
+    ck_assert_int_eq(dls_reduction_load(R, f, g, &why), DLS_OK);
+    ck_assert_int_eq(dls_reduction_contact(R, mu, &p, &why), DLS_OK);
+  } else
+    ck_assert_int_eq(dls_fclib_contact(file, &p, &why), DLS_OK);
+  const double worst = judge(&p, &why);
+  if (getenv("DERIVE_PRINT"))
+    printf("%s: %d contacts, %g %s\n", files[_i], p.nc, worst, worst < 0 ? why.message : "");
+  ck_assert_msg(worst <= tol, "%s: %g", files[_i], worst);
+  dls_reduction_destroy(R);
+  dls_fclib_destroy(file);
+}
+END_TEST
+
+/* ---- borders --------------------------------------------------------------------------------- */
+
+/* Puts contact c of a problem with the answer r, u on a border: of stick and slip by mu_c, or of
+ * free and slip by q_n; then *side is the sign of the data that leads to the higher state. Returns
+ * 0 where c cannot. */
+static int put_on_border(dls_contact *p, double *q, double *mu, int c, const double *r,
+                         const double *u, const dls_contact_state *state, moved *v, int *side) {
+  const int d = p->d;
+  const double t = d == 1 ? 0 : d == 2 ? fabs(r[d * c + 1]) : hypot(r[d * c + 1], r[d * c + 2]);
+  memset(v->dW, 0, v->values * sizeof(double));
+  memset(v->dq, 0, v->m * sizeof(double));
+  memset(v->dmu, 0, v->nc * sizeof(double));
+  if (state[c] == DLS_STICK && mu[c] > 0 && t > 0) {
+    mu[c] = t / r[d * c];
+    v->dmu[c] = 1;
+    *side = 1;
+  } else if (state[c] == DLS_FREE) {
+    q[d * c] -= u[d * c];
+    v->dq[d * c] = 1;
+    *side = -1;
+  } else
+    return 0;
+  return 1;
+}
+
+/* On a border the error names the contact and both states; the two derivatives are those to the
+ * right and to the left, and they differ. */
+START_TEST(kinks) {
+  double *memory;
+  dls_contact p = random_problem(_i, &memory);
+  const size_t m = (size_t)p.d * (size_t)p.nc;
+  double *q = numbers(m), *mu = numbers((size_t)p.nc), *at = numbers(2 * m), *D = numbers(2 * m);
+  double *dr[2] = {numbers(2 * m), numbers(2 * m)};
+  dls_contact_state *state = malloc(((size_t)p.nc + 1) * sizeof *state);
+  dls_derive *derive;
+  dls_error why;
+  moved v;
+  memcpy(q, p.q, m * sizeof *q);
+  memcpy(mu, p.mu, (size_t)p.nc * sizeof *mu);
+  p.q = q;
+  p.mu = mu;
+  move(&v, &p);
+  ck_assert_int_ge(dls_solve(&p, NULL, v.start, NULL, NULL, NULL), 0);
+  ck_assert(moved_answer(&v, 0, at, state));
+  memcpy(v.start, at, m * sizeof *at);
+  for (int c = 0, found = 0; c < p.nc && found < 4; c++) {
+    int higher = 0;
+    const double old_q = q[p.d * c], old_mu = mu[c];
+    if (!put_on_border(&p, q, mu, c, v.start, at + m, state, &v, &higher)) continue;
+    found++;
+    ck_assert_int_eq(dls_derive_create(&derive, &p, v.start, -1, &why), DLS_E_NO_DERIVATIVE);
+    ck_assert_ptr_null(derive);
+    ck_assert_str_eq(why.argument, "contact");
+    ck_assert_int_eq(why.index, c);
+    ck_assert_ptr_nonnull(strstr(why.message, state[c] == DLS_FREE ? "free" : "stick"));
+    for (int side = 0; side < 2; side++) {
+      const int sign = side ? -higher : higher;
+      ck_assert_int_eq(dls_derive_create(&derive, &p, v.start, side, &why), DLS_OK);
+      ck_assert(differentiate(moved_answer, &v, sign, 2 * (int)m, p.nc, D));
+      ck_assert_int_eq(dls_derive_jvp(derive, v.dq, v.dmu, v.dW, dr[side], dr[side] + m, NULL),
+                       DLS_OK);
+      ck_assert_msg(apart(dr[side], D, m, norm_of(v.start, (int)m)) <= tol,
+                    "%d, contact %d, side %d: %g", _i, c, side,
+                    apart(dr[side], D, m, norm_of(v.start, (int)m)));
+      dls_derive_destroy(derive);
+    }
+    ck_assert_double_gt(apart(dr[0], dr[1], m, 0), 1e-3); /* a kink */
+    q[p.d * c] = old_q;
+    mu[c] = old_mu;
+  }
+  free(q);
+  free(mu);
+  free(at);
+  free(D);
+  free(dr[0]);
+  free(dr[1]);
+  free(state);
+  free(memory);
+  moved_free(&v);
+}
+END_TEST
+
+/* A table on four legs: its reactions are not determined. */
+START_TEST(four_legs) {
+  static model a;
+  static const double H[3][4] = {{1, 1, 1, 1}, {1, -1, 1, -1}, {1, 1, -1, -1}};
+  dls_derive *derive;
+  dls_error why;
+  set_model(&a, 1, 4);
+  for (int i = 0; i < 4; i++) {
+    a.q[i] = -2;
+    for (int j = 0; j < 4; j++)
+      for (int k = 0; k < 3; k++)
+        a.W[i + 4 * j] += H[k][i] * H[k][j] * (k ? 0.3 : 1);
+  }
+  expect_error(dls_derive_create(&derive, &a.p, (double[]){0.75, 0.25, 0.25, 0.75}, -1, &why), &why,
+               DLS_E_NO_DERIVATIVE, "dls_derive_create", "r", -1);
+}
+END_TEST
+
+/* ---- bodies ---------------------------------------------------------------------------------- */
+
+/* A model, its loads, and a direction of its data. */
+typedef struct moved_body {
+  dls_model model;
+  dls_on on;
+  const double *f, *g, *mu;
+  int d, nc;
+  size_t n, m, nodes, values; /* nodes: entries of g */
+  const double *K;
+  double *dK, *df, *dg, *dmu, *now;
+} moved_body;
+
+static void body_free(moved_body *v) {
+  free(v->dK);
+  free(v->df);
+  free(v->dg);
+  free(v->dmu);
+  free(v->now);
+}
+
+/* Draws a direction, symmetric as K is read; loads and gaps that are 0 change, too, unless they
+ * belong to a joint. */
+static void move_body(moved_body *v, const dls_model *of, dls_on on, const double *f,
+                      const double *g, const double *mu) {
+  const int dense = of->operator_kind == DLS_STIFFNESS_DENSE;
+  const int candidates = of->P.p ? of->P.cols : of->nodes;
+  *v = (moved_body){.model = *of, .on = on, .f = f, .g = g, .mu = mu, .d = of->d};
+  v->nc = candidates;
+  v->n = (size_t)of->n;
+  v->m = (size_t)v->d * (size_t)v->nc;
+  v->nodes = (size_t)of->d * (size_t)of->nodes;
+  v->values = dense ? v->n * v->n : (size_t)of->Ks.p[of->n];
+  v->K = dense ? of->K.a : of->Ks.x;
+  ck_assert(!dense || of->K.ld == of->n);
+  v->dK = numbers(v->values);
+  v->df = numbers(v->n);
+  v->dg = numbers(v->nodes);
+  v->dmu = numbers((size_t)v->nc);
+  v->now = numbers(v->values + v->n + v->nodes + (size_t)v->nc);
+  const double load = norm_of(f, of->n) / sqrt((double)v->n);
+  for (size_t k = 0; k < v->values; k++)
+    v->dK[k] = 0.03 * v->K[k] * uniform();
+  for (size_t k = 0; k < v->n; k++)
+    v->df[k] = load * uniform();
+  for (int c = 0; c < v->nc; c++)
+    v->dmu[c] = mu[c] * uniform();
+}
+
+/* out: r, u, x */
+static int body_answer(void *of, double h, double *out, dls_contact_state *state) {
+  moved_body *v = of;
+  dls_model body = v->model;
+  double *K = v->now, *f = K + v->values, *g = f + v->n, *mu = g + v->nodes;
+  double *r = out, *u = r + v->m, *x = u + v->m;
+  dls_reduction *R;
+  dls_error e;
+  for (size_t k = 0; k < v->values; k++)
+    K[k] = v->K[k] + h * v->dK[k];
+  for (size_t k = 0; k < v->n; k++)
+    f[k] = v->f[k] + h * v->df[k];
+  for (size_t k = 0; k < v->nodes; k++)
+    g[k] = (v->g ? v->g[k] : 0) + h * v->dg[k];
+  for (int c = 0; c < v->nc; c++)
+    mu[c] = v->mu[c] + h * v->dmu[c];
+  *(body.operator_kind == DLS_STIFFNESS_DENSE ? &body.K.a : &body.Ks.x) = K;
+  dls_reduction_settings on;
+  dls_reduction_settings_init(&on);
+  on.on = v->on;
+  ck_assert_msg(!dls_reduction_create_with(&R, &body, &on, &e), "%s", e.message);
+  ck_assert_int_eq(dls_reduction_load(R, f, g, NULL), DLS_OK);
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.limits.tol = v->on == DLS_ON_K ? 1e-13 : 1e-12;
+  dls_status status = dls_reduction_solve(R, mu, &s, r, u, x, NULL, &e);
+  ck_assert_msg(status >= 0, "%s", e.message);
+  int solved = status == DLS_OK || status == DLS_TO_ROUNDING;
+  if (solved && v->on == DLS_ON_W) {
+    dls_contact p;
+    dls_proof proof;
+    dls_certificate c;
+    ck_assert_int_eq(dls_reduction_contact(R, mu, &p, NULL), DLS_OK);
+    ck_assert_int_eq(dls_contact_prove(&p, r, &proof, r, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_certify(R, mu, r, x, u, &c, NULL), DLS_OK);
+  }
+  ck_assert_int_eq(dls_reduction_states(R, mu, r, u, state, NULL), DLS_OK);
+  dls_reduction_destroy(R);
+  return solved;
+}
+
+/* Returns the larger difference of the two products to differences; -1: no derivative. */
+static double judge_body(moved_body *v, dls_error *why) {
+  const size_t m = v->m, n = v->n, all = 2 * m + n;
+  double *at = numbers(all), *D = numbers(all), *d = numbers(all), *g = numbers(all), worst = -1;
+  double *gf = numbers(n), *gg = numbers(v->nodes), *gmu = numbers((size_t)v->nc);
+  double *gK = numbers(v->values);
+  dls_contact_state *state = malloc(((size_t)v->nc + 1) * sizeof *state);
+  dls_reduction *R;
+  dls_derive *derive;
+  ck_assert(body_answer(v, 0, at, state));
+  dls_reduction_settings on;
+  dls_reduction_settings_init(&on);
+  on.on = v->on;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &v->model, &on, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, v->f, v->g, NULL), DLS_OK);
+  const double length = norm_of(at + 2 * m, (int)n) / sqrt((double)n);
+  for (size_t k = 0; k < v->nodes; k++)
+    v->dg[k] = 0.1 * length * uniform();
+  const dls_status status = dls_derive_create_body(&derive, R, v->mu, at, at + 2 * m, -1, why);
+  if (status == DLS_OK) {
+    ck_assert(differentiate(body_answer, v, 0, (int)all, v->nc, D));
+    ck_assert_int_eq(
+        dls_derive_body_jvp(derive, v->df, v->dg, v->dmu, v->dK, d, d + m, d + 2 * m, NULL),
+        DLS_OK);
+    const double of_x = norm_of(D + 2 * m, (int)n);
+    worst = fmax(apart(d, D, m, 0), apart(d + 2 * m, D + 2 * m, n, 0));
+    worst = fmax(worst, apart(d + m, D + m, m, of_x / sqrt((double)n)));
+    for (size_t k = 0; k < all; k++)
+      g[k] = uniform() / norm_of(k < m ? D : D + 2 * m, k < m ? (int)m : (int)n);
+    ck_assert_int_eq(dls_derive_body_vjp(derive, g, g + m, g + 2 * m, gf, gg, gmu, gK, NULL),
+                     DLS_OK);
+    const double L = dot(gf, v->df, n) + dot(gg, v->dg, v->nodes) +
+                     dot(gmu, v->dmu, (size_t)v->nc) + dot(gK, v->dK, v->values);
+    const double size = norm_of(g, (int)all);
+    ck_assert_double_le(fabs(L - dot(g, d, all)), 1e-9 * size);
+    worst = fmax(worst, fabs(L - dot(g, D, all)) / size);
+    dls_derive_destroy(derive);
+  } else
+    ck_assert_msg(status == DLS_E_NO_DERIVATIVE, "%s", why->message);
+  dls_reduction_destroy(R);
+  free(at);
+  free(D);
+  free(d);
+  free(g);
+  free(gf);
+  free(gg);
+  free(gmu);
+  free(gK);
+  free(state);
+  return worst;
+}
+
+/* Jean's block: concentrated and weighted, dense and sparse, on W and on K. */
+START_TEST(block_of_jean) {
+  static const char *const names[] = {"jean-fig3", "jean-fig4"};
+  dls_fe_scene *scene;
+  dls_fe_scene_settings s;
+  dls_fe_scene_data data;
+  moved_body v;
+  dls_error why;
+  dls_fe_scene_settings_init(&s);
+  s.nx = _i & 4 ? 32 : 8;
+  s.ny = _i & 4 ? 16 : 4;
+  ck_assert_int_eq(dls_fe_scene_create_with(&scene, names[_i & 1], _i >> 1 & 1, &s, NULL), DLS_OK);
+  dls_fe_scene_get(scene, &data);
+  move_body(&v, &data.model, _i & 8 ? DLS_ON_K : DLS_ON_W, data.f, data.g, data.mu);
+  const double worst = judge_body(&v, &why);
+  if (getenv("DERIVE_PRINT"))
+    printf("jean %d: %d contacts, %g %s\n", _i, v.nc, worst, worst < 0 ? why.message : "");
+  ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
+  body_free(&v);
+  dls_fe_scene_destroy(scene);
+}
+END_TEST
+
+/* Free blocks on the ground, K singular; in 2D and 3D. */
+START_TEST(free_blocks) {
+  solids S;
+  moved_body v;
+  dls_error why;
+  solids_stack(&S, 2 + _i % 2, 1 + _i / 2, 3, 0.5);
+  const dls_model *body = solids_model(&S);
+  double *mu = numbers((size_t)body->nodes);
+  for (int c = 0; c < body->nodes; c++)
+    mu[c] = 0.3;
+  move_body(&v, body, DLS_ON_K, S.f, S.g, mu);
+  memset(v.dK, 0, v.values * sizeof *v.dK); /* rigid motions stay those of K */
+  const double worst = judge_body(&v, &why);
+  if (getenv("DERIVE_PRINT"))
+    printf("free %d: %d contacts, %g %s\n", _i, v.nc, worst, worst < 0 ? why.message : "");
+  ck_assert_msg(worst <= tol, "%g", worst);
+  free(mu);
+  body_free(&v);
+  solids_free(&S);
+}
+END_TEST
+
+int main(void) {
+  return RUN("derive", NULL, NULL, ONCE(slip_turns), ONCE(friction_from_zero),
+             EACH(random_dense, 0, 42), EACH(random_storages, 0, 12),
+             EACH(random_storages, 100, 106), EACH(fclib_files, 0, 7), EACH(kinks, 0, 21),
+             ONCE(four_legs), EACH(block_of_jean, 0, 16), EACH(free_blocks, 0, 4));
+}
