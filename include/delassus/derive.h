@@ -24,9 +24,6 @@
  * The friction of a contact that sticks, is free, has mu = INFINITY, or has mu = 0 and does not
  * move along its tangents does not matter: its derivative is 0. For mu_c = 0 and u_t not 0 the
  * derivative is the one to the right.
- *
- * m = d nc as in contact.h. A loss L(r, u, x) is given by its gradients gr = dL/dr (m), gu = dL/du
- * (m), gx = dL/dx (n), each NULL for 0. Outputs may be NULL where they are not wanted.
  */
 #ifndef DELASSUS_DERIVE_H
 #define DELASSUS_DERIVE_H
@@ -37,66 +34,59 @@
 extern "C" {
 #endif
 
+/* The data, m = d nc: a gradient dL/ddata, or a change of the data. Fields of the other kind of
+ * object have to be NULL. */
+typedef struct dls_derive_data {
+  double *mu; /* contacts */
+  double *q;  /* on W: m; as a gradient a, dL/dW = a r^T                     length (velocity) */
+  double *W;  /* on W: each stored value: as W.a (W.ld m; what lies beyond m rows is left alone),
+                 Wb.x, or bodies.H (0 of a fixed body) */
+  double *f;  /* on K: n; as a gradient b, dL/dK = -b x^T                    force (impulse) */
+  double *g;  /* on K: d * nodes, as dls_reduction_load takes g              length (velocity) */
+  double *K;  /* on K: each stored value: n x n without gaps, or as Ks.x. Of a symmetric K
+                 (DLS_CHOLESKY, DLS_LDLT) a value below the diagonal stands for two places, and one
+                 above it, which is not read, has the gradient 0 */
+} dls_derive_data;
+
+/* The answer: a gradient dL/danswer of a loss L, or the change of the answer. */
+typedef struct dls_derive_answer {
+  double *r; /* m                                                            force (impulse) */
+  double *u; /* m                                                            length (velocity) */
+  double *x; /* on K: n                                                      length (velocity) */
+} dls_derive_answer;
+
 /* The derivatives at one answer. One call at a time on an object (DLS_E_BUSY). */
 typedef struct dls_derive dls_derive;
 
 /* Factors the matrix of the states of r. *out = NULL on error. problem: borrowed, as it is, until
- * destroy. r: m; copied. O(rows^3) operations, m^2 doubles. DLS_E_NO_DERIVATIVE; DLS_E_ARGUMENT,
- * also for an r that misses the laws by more than 1e-4 of the largest entry of (w r, u);
- * DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+ * destroy. r: m. O(rows^3) operations, m^2 doubles. DLS_E_NO_DERIVATIVE; DLS_E_ARGUMENT, also for an
+ * r with a residual above 1e-4; DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_contact *problem,
                                                   const double *r, int side, dls_error *error);
 
-/* Gives the gradient of L, the vector-Jacobian products:
+/* Works as dls_derive_create for the body of a reduction, made on W or on K, and its answer (r, x):
+ * K of the last create or update and g of the last load, neither of which may change until destroy.
+ * mu (contacts): borrowed; NULL: model.mu. r: m; x: n. K may be singular, where contacts alone hold
+ * a body; then (r, x) is in equilibrium without springs. A sparse LU of K beside the contacts.
  *
- *   q    dL/dq, m; then dL/dW = q r^T                                      of a position
- *   mu   dL/dmu, nc
- *   W    dL/d(each stored value of the problem's W): as W.a (W.ld m; what lies beyond m rows is
- *        left alone), Wb.x, or bodies.H (0 of a fixed body)
- *
- * Allocates nothing (MUMPS does). Outputs must not overlap inputs. DLS_E_ARGUMENT,
- * DLS_E_NOT_FINITE, DLS_E_BUSY, DLS_E_MEMORY (MUMPS). */
-DLS_API DLS_MUST_USE dls_status dls_derive_vjp(dls_derive *derive, const double *gr,
-                                               const double *gu, double *q, double *mu, double *W,
-                                               dls_error *error);
-
-/* Gives the change of the answer, dr (m) and du (m), for a change of the data, the Jacobian-vector
- * product: dq (m), dmu (nc), dW (stored as W above), each NULL for 0. As dls_derive_vjp. */
-DLS_API DLS_MUST_USE dls_status dls_derive_jvp(dls_derive *derive, const double *dq,
-                                               const double *dmu, const double *dW, double *dr,
-                                               double *du, dls_error *error);
-
-/* Works as dls_derive_create on the body of a reduction, on W or on K, and an answer (r, x) of it:
- * K as in its last create or update, g as last loaded, neither of which may change until destroy.
- * mu (contacts): borrowed; NULL: model.mu, or 0 without it. r: m; x: n. No spring that holds a mode
- * takes part: (r, x) has to be in equilibrium, and bodies that contact alone holds have
- * derivatives, too. A sparse LU of K beside the contacts. For a dls_global make a reduction of its
- * model with settings.on = DLS_ON_K, which is not factored, and load g. DLS_E_UNSUPPORTED for a
- * flexibility or a host's solver, which has no K: dls_derive_create on the contact problem gives
- * dL/dq, and the host's own solver dL/df = K^-T (H dL/dq + gx). Redundant joints are not
+ * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factors
+ * nothing, and load g. A flexibility or a host's solver is DLS_E_UNSUPPORTED: dls_derive_create
+ * gives dL/dq, and the host's own solver dL/df = K^-T (H dL/dq + dL/dx). Redundant joints are not
  * determined. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create_body(dls_derive **out, dls_reduction *reduction,
                                                        const double *mu, const double *r,
                                                        const double *x, int side, dls_error *error);
 
-/* Gives the gradient of L for a body:
- *
- *   f    dL/df, n; then dL/dK = -f x^T                                      of a displacement
- *   g    dL/dg, d * nodes as dls_reduction_load takes g
- *   mu   dL/dmu, contacts
- *   K    dL/d(each stored value of K): n x n without gaps, or as Ks.x. Of a symmetric K
- *        (DLS_CHOLESKY, DLS_LDLT) an entry below the diagonal moves two places, and one above it,
- *        which is not read, has 0 */
-DLS_API DLS_MUST_USE dls_status dls_derive_body_vjp(dls_derive *derive, const double *gr,
-                                                    const double *gu, const double *gx, double *f,
-                                                    double *g, double *mu, double *K,
-                                                    dls_error *error);
+/* Computes the gradient of a loss, the vector-Jacobian product: fills the arrays of *gradient that
+ * are not NULL from those of *loss; NULL there: 0. Allocates nothing (MUMPS does). Outputs overlap
+ * nothing. DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_BUSY, DLS_E_MEMORY (MUMPS). */
+DLS_API DLS_MUST_USE dls_status dls_derive_vjp(dls_derive *derive, const dls_derive_answer *loss,
+                                               const dls_derive_data *gradient, dls_error *error);
 
-/* Gives dr (m), du (m), dx (n) for df (n), dg (d * nodes), dmu (contacts), dK (as K above). */
-DLS_API DLS_MUST_USE dls_status dls_derive_body_jvp(dls_derive *derive, const double *df,
-                                                    const double *dg, const double *dmu,
-                                                    const double *dK, double *dr, double *du,
-                                                    double *dx, dls_error *error);
+/* Computes the change of the answer, the Jacobian-vector product: fills the arrays of *moved that
+ * are not NULL from those of *change; NULL there: 0. As dls_derive_vjp. */
+DLS_API DLS_MUST_USE dls_status dls_derive_jvp(dls_derive *derive, const dls_derive_data *change,
+                                               const dls_derive_answer *moved, dls_error *error);
 
 /* NULL is fine. */
 DLS_API void dls_derive_destroy(dls_derive *derive);

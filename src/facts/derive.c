@@ -36,45 +36,40 @@ static const double most_residual = 1e-4; /* of an answer */
 
 /* ---- the object ------------------------------------------------------------------------------ */
 
+static void derive_carve(void *workspace, dlsi_arena *arena) {
+  dls_derive *work = workspace;
+  const dls_bodies *B = &work->problem.bodies;
+  const size_t nc = (size_t)work->problem.nc, m = (size_t)work->problem.d * nc;
+  const size_t n = (size_t)work->n, motions = B->H ? (size_t)B->n * (size_t)B->count : 0;
+  double **const of_m[] = {&work->r, &work->u, &work->a, &work->b, &work->c};
+  double **const of_all[] = {&work->z, &work->row, &work->col};
+  for (int k = 0; k < 5; k++)
+    *of_m[k] = dlsi_take(arena, m, sizeof(double));
+  for (int k = 0; k < 3; k++)
+    *of_all[k] = dlsi_take(arena, n + m, sizeof(double));
+  work->x = dlsi_take(arena, n, sizeof(double));
+  work->w = dlsi_take(arena, 2 * nc, sizeof(double));
+  work->t = dlsi_take(arena, 2 * nc, sizeof(double));
+  work->motion = dlsi_take(arena, 2 * motions, sizeof(double));
+  work->state = dlsi_take(arena, nc, sizeof *work->state);
+  work->branch = dlsi_take(arena, nc, sizeof *work->branch);
+}
+
 dls_status dlsi_derive_new(dls_derive **out, const dls_contact *problem, int n, dls_error *error) {
-  const size_t nc = (size_t)problem->nc, m = (size_t)problem->d * nc, all = (size_t)n + m;
-  const size_t motions =
-      problem->bodies.H ? (size_t)problem->bodies.n * (size_t)problem->bodies.count : 0;
-  dls_derive *work = *out = calloc(1, sizeof *work);
-  if (!work) return dlsi_no_memory(error);
-  work->n = n;
-  work->problem = *problem;
-  work->state = dlsi_alloc(nc, sizeof *work->state);
-  work->memory = dlsi_alloc(4 * nc + 5 * m + (size_t)n + 3 * all + 2 * motions, sizeof(double));
-  if (!work->state || !work->memory) {
-    dls_derive_destroy(work);
-    *out = NULL;
-    return dlsi_no_memory(error);
-  }
-  double *at = work->memory;
-  const struct {
-    double **array;
-    size_t size;
-  } arrays[] = {{&work->w, 2 * nc}, {&work->t, 2 * nc}, {&work->r, m},     {&work->u, m},
-                {&work->a, m},      {&work->b, m},      {&work->c, m},     {&work->x, (size_t)n},
-                {&work->z, all},    {&work->row, all},  {&work->col, all}, {&work->motion, 0}};
-  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) {
-    *arrays[k].array = at;
-    at += arrays[k].size;
-  }
-  return DLS_OK;
+  dls_derive filled = {.n = n, .problem = *problem};
+  void *made;
+  *out = NULL;
+  const dls_status status =
+      dlsi_carve_workspace(&made, &filled, sizeof filled, derive_carve, "nc", problem->nc, error);
+  if (!status) *out = made;
+  return status;
 }
 
 void dls_derive_destroy(dls_derive *derive) {
   if (!derive) return;
-  if (derive->A)
-    dlsi_states_destroy(derive->A);
-  else
-    free(derive->branch);
+  dlsi_states_destroy(derive->A);
   dlsi_general_free(&derive->M);
   dlsi_formed_free(&derive->formed);
-  free(derive->state);
-  free(derive->memory);
   free(derive);
 }
 
@@ -121,25 +116,10 @@ dls_status dlsi_derive_choose(dls_derive *work, int side, double residual, dls_e
   return DLS_OK;
 }
 
-void dlsi_derive_slip(const dls_derive *work, const double *dmu, double *s) {
-  const int d = work->problem.d;
-  for (int c = 0; c < work->problem.nc; c++)
-    for (int i = 0; i < d; i++)
-      s[d * c + i] = dmu && i > 0 ? work->r[d * c] * work->t[2 * c + i - 1] * dmu[c] : 0;
-}
-
-void dlsi_derive_friction(const dls_derive *work, const double *v, double *mu) {
-  const int d = work->problem.d;
-  for (int c = 0; c < work->problem.nc; c++) {
-    mu[c] = 0;
-    for (int i = 1; i < d; i++)
-      mu[c] += work->r[d * c] * work->t[2 * c + i - 1] * v[d * c + i];
-  }
-}
-
 /* ---- the system ------------------------------------------------------------------------------ */
 
-dls_status dlsi_derive_solve(dls_derive *work, int transposed, dls_error *error) {
+/* z := A^-1 z or M^-1 z, or transposed. */
+static dls_status derive_solve(dls_derive *work, int transposed, dls_error *error) {
   if (!work->A) return dlsi_general_solve(&work->M, transposed, work->z, error);
   return work->rows ? dlsi_states_solve(work->A, transposed, work->z, error) : DLS_OK;
 }
@@ -154,7 +134,7 @@ dls_status dlsi_derive_judge(dls_derive *work, dls_status status, dls_error *err
     const double *before = turn ? work->col : work->row, *after = turn ? work->row : work->col;
     for (size_t i = 0; i < all; i++)
       z[i] /= before[i];
-    status = dlsi_derive_solve(work, turn, error);
+    status = derive_solve(work, turn, error);
     for (size_t i = 0; i < all; i++)
       z[i] /= after[i];
     size = dlsi_norm2(z, all);
@@ -167,21 +147,7 @@ dls_status dlsi_derive_judge(dls_derive *work, dls_status status, dls_error *err
   return dlsi_fail(error, DLS_E_NO_DERIVATIVE, "r", -1, size, "not determined: no derivative");
 }
 
-dls_status dlsi_derive_enter(dls_derive *work, int of_body, int count, const dlsi_given *given,
-                             dls_error *error) {
-  if (!work) return dlsi_is_null(error, "derive");
-  if (of_body != (work->body.H != NULL))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "derive", -1, of_body, "made %s a body",
-                     of_body ? "without" : "of");
-  for (int k = 0; k < count; k++) {
-    const dls_status status =
-        given[k].x ? dlsi_check_vector(given[k].name, given[k].x, given[k].size, error) : DLS_OK;
-    if (status) return status;
-  }
-  return dlsi_enter(&work->busy, "derive", error);
-}
-
-/* ---- on W ------------------------------------------------------------------------------------ */
+/* ---- create ---------------------------------------------------------------------------------- */
 
 static dls_status derive_create(dls_derive *work, const double *r, int side, dls_error *error) {
   const dls_contact *problem = &work->problem;
@@ -195,10 +161,10 @@ static dls_status derive_create(dls_derive *work, const double *r, int side, dls
   dlsi_certificate_weights(problem, work->w);
   status = dlsi_states_create(&work->A, problem, error);
   if (status) return status;
-  work->branch = work->A->branch;
   status = dlsi_derive_choose(work, side, found.residual, error);
   if (status) return status;
   work->A->n = work->rows;
+  memcpy(work->A->branch, work->branch, (size_t)problem->nc * sizeof *work->branch);
   for (int c = 0; c < problem->nc; c++)
     for (int j = 0; j < work->branch[c].count; j++) {
       const int k = work->branch[c].first + j;
@@ -226,18 +192,20 @@ dls_status dls_derive_create(dls_derive **out, const dls_contact *problem, const
   return dlsi_at(__func__, status, error);
 }
 
-/* y := W^T v. */
-static void derive_transposed(const dls_contact *p, const double *v, double *y) {
+/* ---- products with W ------------------------------------------------------------------------- */
+
+/* y += W^T v; t: of the contacts that slip alone, NULL: of all. */
+static void derive_transposed(const dls_contact *p, const double *t, const double *v, double *y) {
   const size_t d = (size_t)p->d, m = d * (size_t)p->nc;
   for (size_t c = 0; c < (size_t)p->nc; c++) {
     const dlsi_block_column W = dlsi_contact_column(p, c);
-    for (size_t j = 0; j < d; j++) {
-      double *sum = y + d * c + j;
-      *sum = 0;
-      if (!W.row) dlsi_panel_dot(m, 1, W.x + j * W.ld, v, sum);
+    for (size_t j = 0; j < d && !(t && t[2 * c] == 0 && t[2 * c + 1] == 0); j++) {
+      double sum = 0;
+      if (!W.row) dlsi_panel_dot(m, 1, W.x + j * W.ld, v, &sum);
       for (size_t k = W.begin; W.row && k < W.end; k++)
         for (size_t i = 0; i < d; i++)
-          *sum += W.x[k * W.step + i + j * d] * v[d * (size_t)W.row[k] + i];
+          sum += W.x[k * W.step + i + j * d] * v[d * (size_t)W.row[k] + i];
+      y[d * c + j] += sum;
     }
   }
 }
@@ -256,25 +224,22 @@ static void derive_move(const dls_contact *p, const double *H, const double *x, 
 /* (DR4), (DR5) W := the gradient of what is stored. */
 static void derive_stored(const dls_derive *work, const double *a, double *W) {
   const dls_contact *p = &work->problem;
-  const size_t d = (size_t)p->d;
+  const size_t d = (size_t)p->d, n = (size_t)p->bodies.n, all = n * (size_t)p->bodies.count;
   const double *r = work->r;
-  const dls_bodies *B = &p->bodies;
-  if (B->H) {
-    const size_t n = (size_t)B->n, all = n * (size_t)B->count;
-    double *of_r = work->motion, *of_a = of_r + all;
-    derive_move(p, B->H, r, of_r);
-    derive_move(p, B->H, a, of_a);
-    for (size_t k = 0; k < 2 * (size_t)p->nc; k++)
-      for (size_t j = 0; j < d * n; j++) {
-        const size_t o = d * (k / 2) + j / n,
-                     v = n * (size_t)(B->body[k] < 0 ? 0 : B->body[k]) + j % n;
-        W[k * d * n + j] = B->body[k] < 0 ? 0 : of_r[v] * a[o] + of_a[v] * r[o];
-      }
-    return;
+  const int *body = p->bodies.body;
+  if (p->bodies.H) {
+    derive_move(p, p->bodies.H, r, work->motion);
+    derive_move(p, p->bodies.H, a, work->motion + all);
   }
-  for (size_t c = 0; c < (size_t)p->nc; c++) {
+  for (size_t k = 0; p->bodies.H && k < 2 * (size_t)p->nc; k++)
+    for (size_t j = 0; j < d * n; j++) {
+      const double *of_r = work->motion + (body[k] < 0 ? 0 : n * (size_t)body[k]) + j % n;
+      const size_t o = d * (k / 2) + j / n;
+      W[k * d * n + j] = body[k] < 0 ? 0 : of_r[0] * a[o] + of_r[all] * r[o];
+    }
+  for (size_t c = 0; !p->bodies.H && c < (size_t)p->nc; c++) {
     const dlsi_block_column of = dlsi_contact_column(p, c);
-    double *x = W + (p->Wb.x ? 0 : d * c * of.ld);
+    double *x = W + (of.row ? 0 : d * c * of.ld);
     for (size_t j = 0; j < d; j++)
       for (size_t k = of.begin; k < of.end; k++)
         for (size_t i = 0; i < d; i++)
@@ -282,106 +247,187 @@ static void derive_stored(const dls_derive *work, const double *a, double *W) {
   }
 }
 
-static dls_status derive_vjp(dls_derive *work, const double *gr, const double *gu, double *q,
-                             double *mu, double *W, dls_error *error) {
+/* y += dW r. DLS_E_NOT_FINITE. */
+static dls_status derive_change(dls_derive *work, const double *dW, double *y, dls_error *error) {
   const dls_contact *p = &work->problem;
-  const int d = p->d, nc = p->nc;
-  const size_t m = (size_t)d * (size_t)nc;
-  double *g = work->b, *a = work->a;
-  for (size_t k = 0; k < m; k++)
-    a[k] = gu ? gu[k] : 0;
-  derive_transposed(p, a, g);
-  for (size_t k = 0; gr && k < m; k++)
-    g[k] += gr[k];
-  dlsi_branches_directions(d, nc, work->branch, g, work->z); /* (DR3) */
-  const dls_status status = dlsi_derive_solve(work, 1, error);
+  const size_t size = (size_t)p->bodies.n * (size_t)p->d;
+  dls_contact other = *p;
+  if (p->bodies.H) {
+    other.Wb = (dls_blocks){0};
+    other.bodies.H = dW;
+    other.bodies.work = NULL;
+  } else
+    *(p->Wb.x ? &other.Wb.x : &other.W.a) = dW;
+  const dls_status status = dlsi_check_contact(&other, error);
+  double *moved = work->motion, *motion = moved + (size_t)p->bodies.n * (size_t)p->bodies.count;
+  if (!status && p->bodies.H) {
+    derive_move(p, dW, work->r, moved);
+    derive_move(p, p->bodies.H, work->r, motion);
+  }
+  for (int c = 0; !status && c < p->nc; c++, y += p->d)
+    if (p->bodies.H) { /* (DR5) */
+      const dlsi_pair_of_bodies one = dlsi_bodies_of(&p->bodies, size, (size_t)c, moved);
+      const dlsi_pair_of_bodies two = dlsi_bodies_of(&other.bodies, size, (size_t)c, motion);
+      dlsi_bodies_look(p->d, p->bodies.n, &one, y, y);
+      dlsi_bodies_look(p->d, p->bodies.n, &two, y, y);
+    } else
+      dlsi_contact_add_columns(&other, c, work->r + p->d * c, y - p->d * c);
+  return status;
+}
+
+/* ---- derivatives ----------------------------------------------------------------------------- */
+
+/* s (m) := s of (DR1); dmu NULL: 0. */
+static void derive_slip(const dls_derive *work, const double *dmu, double *s) {
+  const int d = work->problem.d;
+  for (int c = 0; c < work->problem.nc; c++)
+    for (int i = 0; i < d; i++)
+      s[d * c + i] = dmu && i > 0 ? work->r[d * c] * work->t[2 * c + i - 1] * dmu[c] : 0;
+}
+
+/* mu (nc) := r_n t . v. */
+static void derive_friction(const dls_derive *work, const double *v, double *mu) {
+  const int d = work->problem.d;
+  for (int c = 0; c < work->problem.nc; c++) {
+    mu[c] = 0;
+    for (int i = 1; i < d; i++)
+      mu[c] += work->r[d * c] * work->t[2 * c + i - 1] * v[d * c + i];
+  }
+}
+
+/* to := from, NULL: 0. */
+static void derive_copy(double *to, const double *from, size_t n) {
+  for (size_t k = 0; k < n; k++)
+    to[k] = from ? from[k] : 0;
+}
+
+static dls_status derive_vjp(dls_derive *work, const dls_derive_answer *loss,
+                             const dls_derive_data *gradient, dls_error *error) {
+  const dls_contact *p = &work->problem;
+  const size_t n = (size_t)work->n, m = (size_t)p->d * (size_t)p->nc;
+  double *a = work->a, *g = work->b, *z = work->z, *l = z + n;
+  derive_copy(a, loss->u, m);
+  derive_copy(g, loss->r, m);
+  derive_copy(z, loss->x, n);
+  if (!work->A)
+    dlsi_derive_push(work, a, z);
+  else if (loss->u)
+    derive_transposed(p, NULL, a, g);
+  dlsi_branches_directions(p->d, p->nc, work->branch, g, l);
+  const dls_status status = derive_solve(work, 1, error); /* (DR3), (DB3) */
   if (status) return status;
   for (int k = 0; k < work->rows; k++)
-    work->z[k] = -work->z[k];
-  dlsi_branches_add_rows(d, nc, work->branch, work->z, a);
-  if (q) memcpy(q, a, m * sizeof *q);
-  if (W) derive_stored(work, a, W);
-  if (!mu) return DLS_OK;
-  derive_transposed(p, a, g); /* (DR4) */
-  for (size_t k = 0; gr && k < m; k++)
-    g[k] += gr[k];
-  dlsi_derive_friction(work, g, mu);
+    l[k] = -l[k];
+  dlsi_branches_add_rows(p->d, p->nc, work->branch, l, a);
+  if (gradient->mu) { /* (DR4), (DB4) */
+    derive_copy(g, loss->r, m);
+    if (work->A)
+      derive_transposed(p, work->t, a, g);
+    else
+      dlsi_derive_look(work, z, g);
+    derive_friction(work, g, gradient->mu);
+  }
+  if (gradient->q) derive_copy(gradient->q, a, m);
+  if (gradient->W) derive_stored(work, a, gradient->W);
+  if (gradient->f) derive_copy(gradient->f, z, n);
+  if (gradient->g) dlsi_derive_gaps(work, 1, gradient->g, a);
+  if (gradient->K) dlsi_derive_stored(work, z, gradient->K);
   return DLS_OK;
 }
 
-dls_status dls_derive_vjp(dls_derive *derive, const double *gr, const double *gu, double *q,
-                          double *mu, double *W, dls_error *error) {
+static dls_status derive_jvp(dls_derive *work, const dls_derive_data *change,
+                             const dls_derive_answer *moved, dls_error *error) {
+  const dls_contact *p = &work->problem;
+  const size_t n = (size_t)work->n, m = (size_t)p->d * (size_t)p->nc;
+  double *dr = work->a, *u = work->b, *v = work->c, *z = work->z, *y = z + n;
+  dls_status status = DLS_OK;
+  derive_slip(work, change->mu, dr);
+  derive_copy(u, change->q, m); /* u: what is given of du */
+  derive_copy(z, NULL, n);
+  if (change->W) status = derive_change(work, change->W, u, error);
+  if (change->K) dlsi_derive_apply(work, change->K, z);
+  if (change->g) dlsi_derive_gaps(work, 0, change->g, u);
+  for (size_t i = 0; i < n; i++)
+    z[i] = (change->f ? change->f[i] : 0) - z[i];
+  if (work->A)
+    dlsi_contact_apply(p, dr, v);
+  else {
+    dlsi_derive_push(work, dr, z);
+    derive_copy(v, NULL, m);
+  }
+  for (size_t k = 0; k < m; k++)
+    v[k] = -v[k] - u[k];
+  dlsi_branches_rows(p->d, p->nc, work->branch, v, y);
+  if (!status) status = derive_solve(work, 0, error); /* (DR2), (DB1) */
+  if (status) return status;
+  dlsi_branches_add_directions(p->d, p->nc, work->branch, y, dr); /* (DR1) */
+  if (work->A)
+    dlsi_contact_apply(p, dr, v);
+  else {
+    derive_copy(v, NULL, m);
+    dlsi_derive_look(work, z, v);
+  }
+  for (size_t k = 0; moved->u && k < m; k++)
+    moved->u[k] = u[k] + v[k];
+  if (moved->r) derive_copy(moved->r, dr, m);
+  if (moved->x) derive_copy(moved->x, z, n);
+  return DLS_OK;
+}
+
+/* An array that goes in: NULL, or finite numbers. */
+typedef struct derive_given {
+  const char *name;
+  const double *x;
+  size_t size;
+} derive_given;
+
+/* Checks what goes in and begins a call. */
+static dls_status derive_enter(dls_derive *work, const dls_derive_data *data,
+                               const dls_derive_answer *answer, int count,
+                               const derive_given *given, dls_error *error) {
+  dls_status status = DLS_OK;
+  if (work->A ? data->f || data->g || data->K || answer->x : data->q || data->W)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "derive", -1, 0, "made on %s of these arrays",
+                     work->A ? "W, without f, g, K, x" : "K, without q, W");
+  for (int k = 0; !status && k < count; k++)
+    if (given[k].x) status = dlsi_check_vector(given[k].name, given[k].x, given[k].size, error);
+  return status ? status : dlsi_enter(&work->busy, "derive", error);
+}
+
+dls_status dls_derive_vjp(dls_derive *derive, const dls_derive_answer *loss,
+                          const dls_derive_data *gradient, dls_error *error) {
   DLSI_DOOR;
-  const size_t m = derive ? (size_t)derive->problem.d * (size_t)derive->problem.nc : 0;
-  const dlsi_given given[] = {{"gr", gr, m}, {"gu", gu, m}};
-  dls_status status = dlsi_derive_enter(derive, 0, 2, given, error);
-  if (!status) status = dlsi_leave(&derive->busy, derive_vjp(derive, gr, gu, q, mu, W, error));
+  if (!derive || !loss || !gradient)
+    return dlsi_at(__func__,
+                   dlsi_is_null(error, !derive ? "derive"
+                                       : loss  ? "gradient"
+                                               : "loss"),
+                   error);
+  const size_t m = (size_t)derive->problem.d * (size_t)derive->problem.nc;
+  const derive_given given[] = {
+      {"r", loss->r, m}, {"u", loss->u, m}, {"x", loss->x, (size_t)derive->n}};
+  dls_status status = derive_enter(derive, gradient, loss, 3, given, error);
+  if (!status) status = dlsi_leave(&derive->busy, derive_vjp(derive, loss, gradient, error));
   return dlsi_at(__func__, status, error);
 }
 
-/* y := dW r. */
-static dls_status derive_data(dls_derive *work, const double *dW, double *y, dls_error *error) {
-  const dls_contact *p = &work->problem;
-  dls_contact other = *p;
-  memset(y, 0, (size_t)p->d * (size_t)p->nc * sizeof *y);
-  if (!dW) return DLS_OK;
-  if (!p->bodies.H) {
-    *(p->Wb.x ? &other.Wb.x : &other.W.a) = dW;
-    const dls_status status = dlsi_check_contact(&other, error);
-    if (!status) dlsi_contact_apply(&other, work->r, y);
-    return status;
-  }
-  other.Wb = (dls_blocks){0};
-  other.bodies.H = dW;
-  other.bodies.work = NULL;
-  const dls_status status = dlsi_check_contact(&other, error);
-  if (status) return status;
-  const dls_bodies B = p->bodies;
-  const size_t size = (size_t)(B.n * p->d);
-  double *moved = work->motion, *motion = moved + (size_t)B.n * (size_t)B.count;
-  derive_move(p, dW, work->r, moved);
-  derive_move(p, B.H, work->r, motion);
-  for (int c = 0; c < p->nc; c++) { /* (DR5) */
-    const dlsi_pair_of_bodies one = dlsi_bodies_of(&B, size, (size_t)c, moved);
-    const dlsi_pair_of_bodies two = dlsi_bodies_of(&other.bodies, size, (size_t)c, motion);
-    dlsi_bodies_look(p->d, B.n, &one, y + p->d * c, y + p->d * c);
-    dlsi_bodies_look(p->d, B.n, &two, y + p->d * c, y + p->d * c);
-  }
-  return DLS_OK;
-}
-
-static dls_status derive_jvp(dls_derive *work, const double *dq, const double *dmu,
-                             const double *dW, double *dr, double *du, dls_error *error) {
-  const dls_contact *p = &work->problem;
-  const size_t m = (size_t)p->d * (size_t)p->nc;
-  double *s = work->a, *fixed = work->b, *Ws = work->c;
-  dls_status status = derive_data(work, dW, fixed, error);
-  if (status) return status;
-  for (size_t k = 0; dq && k < m; k++)
-    fixed[k] += dq[k];
-  dlsi_derive_slip(work, dmu, s);
-  dlsi_contact_apply(p, s, Ws);
-  for (size_t k = 0; k < m; k++)
-    Ws[k] = -Ws[k] - fixed[k];
-  dlsi_branches_rows(p->d, p->nc, work->branch, Ws, work->z); /* (DR2) */
-  status = dlsi_derive_solve(work, 0, error);
-  if (status) return status;
-  dlsi_branches_add_directions(p->d, p->nc, work->branch, work->z, s); /* (DR1) */
-  if (dr) memcpy(dr, s, m * sizeof *dr);
-  if (!du) return DLS_OK;
-  dlsi_contact_apply(p, s, Ws);
-  for (size_t k = 0; k < m; k++)
-    du[k] = Ws[k] + fixed[k];
-  return DLS_OK;
-}
-
-dls_status dls_derive_jvp(dls_derive *derive, const double *dq, const double *dmu, const double *dW,
-                          double *dr, double *du, dls_error *error) {
+dls_status dls_derive_jvp(dls_derive *derive, const dls_derive_data *change,
+                          const dls_derive_answer *moved, dls_error *error) {
   DLSI_DOOR;
-  const size_t nc = derive ? (size_t)derive->problem.nc : 0;
-  const dlsi_given given[] = {{"dq", dq, derive ? (size_t)derive->problem.d * nc : 0},
-                              {"dmu", dmu, nc}};
-  dls_status status = dlsi_derive_enter(derive, 0, 2, given, error);
-  if (!status) status = dlsi_leave(&derive->busy, derive_jvp(derive, dq, dmu, dW, dr, du, error));
+  if (!derive || !change || !moved)
+    return dlsi_at(__func__,
+                   dlsi_is_null(error, !derive  ? "derive"
+                                       : change ? "moved"
+                                                : "change"),
+                   error);
+  const dlsi_reduced *body = &derive->body;
+  const size_t nc = (size_t)derive->problem.nc;
+  const derive_given given[] = {{"mu", change->mu, nc},
+                                {"q", change->q, (size_t)derive->problem.d * nc},
+                                {"f", change->f, (size_t)derive->n},
+                                {"g", change->g, (size_t)body->space * (size_t)body->nodes},
+                                {"K", change->K, body->H ? dlsi_derive_values(&body->K) : 0}};
+  dls_status status = derive_enter(derive, change, moved, 5, given, error);
+  if (!status) status = dlsi_leave(&derive->busy, derive_jvp(derive, change, moved, error));
   return dlsi_at(__func__, status, error);
 }

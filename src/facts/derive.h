@@ -24,7 +24,6 @@ struct dls_derive {
   double *z;           /* n + m: right sides and solutions, of K first */
   double *row, *col;   /* n + m: R and C of (DR7) */
   double *motion;      /* on W of rigid bodies: motions of all bodies, twice */
-  double *memory;
 };
 
 /* Makes an empty object for a problem, with n unknowns of K: only problem is set. *out = NULL on
@@ -34,28 +33,24 @@ dls_status dlsi_derive_new(dls_derive **out, const dls_contact *problem, int n, 
 /* Sets states, branches and t from r, u and w. DLS_E_NO_DERIVATIVE, DLS_E_ARGUMENT (r, side). */
 dls_status dlsi_derive_choose(dls_derive *work, int side, double residual, dls_error *error);
 
-/* Solves in z with A or M. DLS_E_MEMORY. */
-dls_status dlsi_derive_solve(dls_derive *work, int transposed, dls_error *error);
-
 /* (DR7) after a factorisation that ended with `status`. DLS_E_NO_DERIVATIVE. */
 dls_status dlsi_derive_judge(dls_derive *work, dls_status status, dls_error *error);
 
-/* s (m) := s of (DR1); dmu NULL: 0. */
-void dlsi_derive_slip(const dls_derive *work, const double *dmu, double *s);
+/* ---- derive_body.c --------------------------------------------------------------------------- */
 
-/* mu (nc) := r_n t . v. */
-void dlsi_derive_friction(const dls_derive *work, const double *v, double *mu);
+/* x (n) += H r;  y (m) += H^T x */
+void dlsi_derive_push(const dls_derive *work, const double *r, double *x);
+void dlsi_derive_look(const dls_derive *work, const double *x, double *y);
 
-/* An array of a caller, NULL or `size` finite numbers. */
-typedef struct dlsi_given {
-  const char *name;
-  const double *x;
-  size_t size;
-} dlsi_given;
+/* contacts (m) := P^T nodes or, back = 1, nodes := P contacts, without the tangents that are left
+ * out. */
+void dlsi_derive_gaps(const dls_derive *work, int back, double *nodes, double *contacts);
 
-/* Begins a call on an object of W or of a body; dlsi_leave ends it. DLS_E_ARGUMENT,
- * DLS_E_NOT_FINITE, DLS_E_BUSY. */
-dls_status dlsi_derive_enter(dls_derive *work, int of_body, int count, const dlsi_given *given,
-                             dls_error *error);
+/* Returns the number of values of K that are stored. */
+size_t dlsi_derive_values(const dls_model *K);
+
+/* (DB4) value := the gradient of what is stored of K;  y (n) := dK x */
+void dlsi_derive_stored(const dls_derive *work, const double *b, double *value);
+void dlsi_derive_apply(const dls_derive *work, const double *dK, double *y);
 
 #endif

@@ -24,31 +24,26 @@ static int derive_is_symmetric(const dls_model *K) {
   return K->factorization != DLS_LU;
 }
 
-/* Returns the stored values of K. */
-static size_t derive_values(const dls_model *K) {
+size_t dlsi_derive_values(const dls_model *K) {
   const size_t n = (size_t)K->n;
   return K->operator_kind == DLS_STIFFNESS_DENSE ? n * n : (size_t)K->Ks.p[n];
 }
 
-/* y (m) += H^T x. */
-static void derive_look(const dls_derive *work, const double *x, double *y) {
+void dlsi_derive_look(const dls_derive *work, const double *x, double *y) {
   const dlsi_columns *Ht = &work->body.H->Ht;
   for (int i = 0; i < work->n; i++)
     for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
       y[Ht->i[e]] += Ht->x[e] * x[i];
 }
 
-/* x (n) += H r. */
-static void derive_push(const dls_derive *work, const double *r, double *x) {
+void dlsi_derive_push(const dls_derive *work, const double *r, double *x) {
   const dlsi_columns *Ht = &work->body.H->Ht;
   for (int i = 0; i < work->n; i++)
     for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
       x[i] += Ht->x[e] * r[Ht->i[e]];
 }
 
-/* Between g of the nodes and of the contacts: contacts := P^T nodes or, back = 1, nodes := P
- * contacts, without the tangents that are left out. */
-static void derive_gaps(const dls_derive *work, int back, double *nodes, double *contacts) {
+void dlsi_derive_gaps(const dls_derive *work, int back, double *nodes, double *contacts) {
   const dlsi_operator *H = work->body.H;
   const int d = H->d, space = work->body.space;
   for (int k = 0; back && k < space * work->body.nodes; k++)
@@ -92,7 +87,8 @@ static dls_status derive_assemble(const dls_derive *work, dlsi_triplets *t, dls_
   const dls_model *K = &work->body.K;
   const dlsi_columns *Ht = &work->body.H->Ht;
   const int all = work->n + work->rows;
-  const size_t most = 2 * derive_values(K) + 6 * (size_t)Ht->p[work->n] + (size_t)work->problem.nc;
+  const size_t most =
+      2 * dlsi_derive_values(K) + 6 * (size_t)Ht->p[work->n] + (size_t)work->problem.nc;
   const dls_status status = dlsi_triplets_alloc(all, all, most, t, error);
   for (int j = 0; !status && j < work->n; j++) {
     int i;
@@ -137,13 +133,11 @@ static dls_status derive_factor(dls_derive *work, dls_error *error) {
 static dls_status derive_body(dls_derive *work, const double *r, const double *x, int side,
                               double residual, dls_error *error) {
   const size_t nc = (size_t)work->problem.nc, m = (size_t)work->problem.d * nc;
-  work->branch = dlsi_alloc(nc, sizeof *work->branch);
-  if (!work->branch) return dlsi_no_memory(error);
   memcpy(work->r, r, m * sizeof *r);
   memcpy(work->x, x, (size_t)work->n * sizeof *x);
   memcpy(work->w, work->body.w, 2 * nc * sizeof *work->w);
   memcpy(work->u, work->body.gap, m * sizeof *work->u);
-  derive_look(work, x, work->u);
+  dlsi_derive_look(work, x, work->u);
   const dls_status status = dlsi_derive_choose(work, side, residual, error);
   return status ? status : derive_factor(work, error);
 }
@@ -183,8 +177,7 @@ dls_status dls_derive_create_body(dls_derive **out, dls_reduction *reduction, co
 
 /* ---- products -------------------------------------------------------------------------------- */
 
-/* (DB4) value := the gradient of what is stored of K. */
-static void derive_stored_K(const dls_derive *work, const double *b, double *value) {
+void dlsi_derive_stored(const dls_derive *work, const double *b, double *value) {
   const dls_model *K = &work->body.K;
   const int dense = K->operator_kind == DLS_STIFFNESS_DENSE, lower = derive_is_symmetric(K);
   const double *x = work->x;
@@ -197,85 +190,8 @@ static void derive_stored_K(const dls_derive *work, const double *b, double *val
     }
 }
 
-static dls_status derive_body_vjp(dls_derive *work, const double *gr, const double *gu,
-                                  const double *gx, double *f, double *g, double *mu, double *K,
-                                  dls_error *error) {
-  const int d = work->problem.d, nc = work->problem.nc, n = work->n;
-  double *b = work->z, *l = b + n, *a = work->a, *v = work->b;
-  for (int k = 0; k < d * nc; k++) {
-    a[k] = gu ? gu[k] : 0;
-    v[k] = gr ? gr[k] : 0;
-  }
-  for (int i = 0; i < n; i++)
-    b[i] = gx ? gx[i] : 0;
-  derive_push(work, a, b);
-  dlsi_branches_directions(d, nc, work->branch, v, l);
-  const dls_status status = dlsi_derive_solve(work, 1, error); /* (DB3) */
-  if (status) return status;
-  for (int k = 0; k < work->rows; k++)
-    l[k] = -l[k];
-  dlsi_branches_add_rows(d, nc, work->branch, l, a);
-  derive_look(work, b, v);
-  if (f) memcpy(f, b, (size_t)n * sizeof *f);
-  if (g) derive_gaps(work, 1, g, a);
-  if (mu) dlsi_derive_friction(work, v, mu);
-  if (K) derive_stored_K(work, b, K);
-  return DLS_OK;
-}
-
-dls_status dls_derive_body_vjp(dls_derive *derive, const double *gr, const double *gu,
-                               const double *gx, double *f, double *g, double *mu, double *K,
-                               dls_error *error) {
-  DLSI_DOOR;
-  const size_t m = derive ? (size_t)derive->problem.d * (size_t)derive->problem.nc : 0;
-  const dlsi_given given[] = {
-      {"gr", gr, m}, {"gu", gu, m}, {"gx", gx, derive ? (size_t)derive->n : 0}};
-  dls_status status = dlsi_derive_enter(derive, 1, 3, given, error);
-  if (!status)
-    status = dlsi_leave(&derive->busy, derive_body_vjp(derive, gr, gu, gx, f, g, mu, K, error));
-  return dlsi_at(__func__, status, error);
-}
-
-static dls_status derive_body_jvp(dls_derive *work, const double *df, const double *dg,
-                                  const double *dmu, const double *dK, double *dr, double *du,
-                                  double *dx, dls_error *error) {
-  const int d = work->problem.d, nc = work->problem.nc, n = work->n;
-  const size_t m = (size_t)d * (size_t)nc;
-  double *z = work->z, *s = work->a, *gap = work->b;
+void dlsi_derive_apply(const dls_derive *work, const double *dK, double *y) {
   dls_model changed = work->body.K;
   *(changed.operator_kind == DLS_STIFFNESS_DENSE ? &changed.K.a : &changed.Ks.x) = dK;
-  memset(z, 0, (size_t)n * sizeof *z);
-  memset(gap, 0, m * sizeof *gap);
-  if (dK) dlsi_body_multiply(&changed, work->x, z, NULL);
-  for (int i = 0; i < n; i++)
-    z[i] = (df ? df[i] : 0) - z[i];
-  dlsi_derive_slip(work, dmu, s);
-  derive_push(work, s, z);
-  if (dg) derive_gaps(work, 0, (double *)dg, gap);
-  dlsi_branches_rows(d, nc, work->branch, gap, z + n);
-  for (int k = 0; k < work->rows; k++)
-    z[n + k] = -z[n + k];
-  const dls_status status = dlsi_derive_solve(work, 0, error); /* (DB1) */
-  if (status) return status;
-  dlsi_branches_add_directions(d, nc, work->branch, z + n, s); /* (DB2) */
-  derive_look(work, z, gap);
-  if (dr) memcpy(dr, s, m * sizeof *dr);
-  if (du) memcpy(du, gap, m * sizeof *du);
-  if (dx) memcpy(dx, z, (size_t)n * sizeof *dx);
-  return DLS_OK;
-}
-
-dls_status dls_derive_body_jvp(dls_derive *derive, const double *df, const double *dg,
-                               const double *dmu, const double *dK, double *dr, double *du,
-                               double *dx, dls_error *error) {
-  DLSI_DOOR;
-  const dls_derive none = {.n = 0}, *of = derive && derive->body.H ? derive : &none;
-  const dlsi_given given[] = {{"df", df, (size_t)of->n},
-                              {"dg", dg, (size_t)of->body.space * (size_t)of->body.nodes},
-                              {"dmu", dmu, (size_t)of->problem.nc},
-                              {"dK", dK, of->n ? derive_values(&of->body.K) : 0}};
-  dls_status status = dlsi_derive_enter(derive, 1, 4, given, error);
-  if (!status)
-    status = dlsi_leave(&derive->busy, derive_body_jvp(derive, df, dg, dmu, dK, dr, du, dx, error));
-  return dlsi_at(__func__, status, error);
+  dlsi_body_multiply(&changed, work->x, y, NULL);
 }

@@ -177,13 +177,17 @@ static double compare(const moved *v, dls_derive *derive, const double *D) {
   double *g = numbers(2 * m), *dr = numbers(2 * m), *gq = numbers(m), *gmu = numbers(v->nc);
   double *gW = numbers(v->values);
   dls_error e;
-  ck_assert_msg(!dls_derive_jvp(derive, v->dq, v->dmu, v->dW, dr, dr + m, &e), "%s", e.message);
+  ck_assert_msg(!dls_derive_jvp(derive, &(dls_derive_data){.q = v->dq, .mu = v->dmu, .W = v->dW},
+                                &(dls_derive_answer){.r = dr, .u = dr + m}, &e),
+                "%s", e.message);
   const double of_r = norm_of(D, (int)m), of_u = norm_of(D + m, (int)m);
   double worst = apart(dr, D, m, 0);
   worst = fmax(worst, apart(dr + m, D + m, m, norm_of(v->dq, (int)m)));
   for (size_t k = 0; k < 2 * m; k++)
     g[k] = uniform() / (k < m ? of_r > 0 ? of_r : 1 : of_u > 0 ? of_u : 1);
-  ck_assert_int_eq(dls_derive_vjp(derive, g, g + m, gq, gmu, gW, NULL), DLS_OK);
+  ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = g, .u = g + m},
+                                  &(dls_derive_data){.q = gq, .mu = gmu, .W = gW}, NULL),
+                   DLS_OK);
   double L = dot(gq, v->dq, m) + dot(gmu, v->dmu, v->nc) + dot(gW, v->dW, v->values);
   const double size = norm_of(g, (int)(2 * m));
   ck_assert_double_le(fabs(L - dot(g, dr, 2 * m)), 1e-9 * size);
@@ -241,13 +245,17 @@ START_TEST(slip_turns) {
   r[1] = -0.3;
   r[2] = -0.4;
   ck_assert_int_eq(dls_derive_create(&derive, &a.p, r, -1, NULL), DLS_OK);
-  ck_assert_int_eq(dls_derive_jvp(derive, (double[]){0.5, 1, 0}, NULL, NULL, dr, du, NULL), DLS_OK);
+  ck_assert_int_eq(dls_derive_jvp(derive, &(dls_derive_data){.q = (double[]){0.5, 1, 0}},
+                                  &(dls_derive_answer){dr, du, NULL}, NULL),
+                   DLS_OK);
   ck_assert_double_eq_tol(dr[0], -0.5, 1e-15);
   ck_assert_double_eq_tol(dr[1], -0.1 * 16 / 25 + 0.5 * 0.3, 1e-15);
   ck_assert_double_eq_tol(dr[2], 0.1 * 12 / 25 + 0.5 * 0.4, 1e-15);
   ck_assert_double_eq_tol(du[0], 0, 1e-15);
   ck_assert_double_eq_tol(du[1], 1 + dr[1], 1e-15);
-  ck_assert_int_eq(dls_derive_vjp(derive, (double[]){0, 1, 0}, NULL, q, mu, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = (double[]){0, 1, 0}},
+                                  &(dls_derive_data){.q = q, .mu = mu}, NULL),
+                   DLS_OK);
   ck_assert_double_eq_tol(q[0], 0.3, 1e-15);
   ck_assert_double_eq_tol(q[1], -0.1 * 16 / 25, 1e-15);
   ck_assert_double_eq_tol(mu[0], -0.6, 1e-15);
@@ -268,13 +276,15 @@ START_TEST(friction_from_zero) {
   a.mu[2] = 0.5;
   a.mu[3] = 0.5;
   ck_assert_int_eq(dls_derive_create(&derive, &a.p, r, -1, NULL), DLS_OK);
-  ck_assert_int_eq(dls_derive_jvp(derive, NULL, (double[]){1, 1, 1, 1}, NULL, dr, NULL, NULL),
+  ck_assert_int_eq(dls_derive_jvp(derive, &(dls_derive_data){.mu = (double[]){1, 1, 1, 1}},
+                                  &(dls_derive_answer){.r = dr}, NULL),
                    DLS_OK);
   for (int i = 0; i < 8; i++)
     ck_assert_double_eq_tol(dr[i], i == 1 ? -1 : 0, 1e-15);
-  ck_assert_int_eq(
-      dls_derive_vjp(derive, (double[]){0, 1, 0, 1, 0, 1, 0, 1}, NULL, NULL, mu, NULL, NULL),
-      DLS_OK);
+  ck_assert_int_eq(dls_derive_vjp(derive,
+                                  &(dls_derive_answer){.r = (double[]){0, 1, 0, 1, 0, 1, 0, 1}},
+                                  &(dls_derive_data){.mu = mu}, NULL),
+                   DLS_OK);
   for (int c = 0; c < 4; c++)
     ck_assert_double_eq_tol(mu[c], c == 0 ? -1 : 0, 1e-15);
   dls_derive_destroy(derive);
@@ -426,7 +436,8 @@ START_TEST(kinks) {
       const int sign = side ? -higher : higher;
       ck_assert_int_eq(dls_derive_create(&derive, &p, v.start, side, &why), DLS_OK);
       ck_assert(differentiate(moved_answer, &v, sign, 2 * (int)m, p.nc, D));
-      ck_assert_int_eq(dls_derive_jvp(derive, v.dq, v.dmu, v.dW, dr[side], dr[side] + m, NULL),
+      ck_assert_int_eq(dls_derive_jvp(derive, &(dls_derive_data){.q = v.dq, .mu = v.dmu},
+                                      &(dls_derive_answer){.r = dr[side], .u = dr[side] + m}, NULL),
                        DLS_OK);
       ck_assert_msg(apart(dr[side], D, m, norm_of(v.start, (int)m)) <= tol,
                     "%d, contact %d, side %d: %g", _i, c, side,
@@ -580,14 +591,16 @@ static double judge_body(moved_body *v, dls_error *why) {
   if (status == DLS_OK) {
     ck_assert(differentiate(body_answer, v, 0, (int)all, v->nc, D));
     ck_assert_int_eq(
-        dls_derive_body_jvp(derive, v->df, v->dg, v->dmu, v->dK, d, d + m, d + 2 * m, NULL),
+        dls_derive_jvp(derive, &(dls_derive_data){.f = v->df, .g = v->dg, .mu = v->dmu, .K = v->dK},
+                       &(dls_derive_answer){d, d + m, d + 2 * m}, NULL),
         DLS_OK);
     const double of_x = norm_of(D + 2 * m, (int)n);
     worst = fmax(apart(d, D, m, 0), apart(d + 2 * m, D + 2 * m, n, 0));
     worst = fmax(worst, apart(d + m, D + m, m, of_x / sqrt((double)n)));
     for (size_t k = 0; k < all; k++)
       g[k] = uniform() / norm_of(k < m ? D : D + 2 * m, k < m ? (int)m : (int)n);
-    ck_assert_int_eq(dls_derive_body_vjp(derive, g, g + m, g + 2 * m, gf, gg, gmu, gK, NULL),
+    ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){g, g + m, g + 2 * m},
+                                    &(dls_derive_data){.f = gf, .g = gg, .mu = gmu, .K = gK}, NULL),
                      DLS_OK);
     const double L = dot(gf, v->df, n) + dot(gg, v->dg, v->nodes) +
                      dot(gmu, v->dmu, (size_t)v->nc) + dot(gK, v->dK, v->values);
