@@ -2,6 +2,10 @@
  * test_derive.c: derivatives beside closed forms and central differences of answers that are
  * improved to rounding, extrapolated (Romberg) from steps that keep the states; kinks beside
  * one-sided differences.
+ *
+ *   build/tests/facts/test_derive FILE.hdf5 ...
+ *
+ * prints the relative difference for each FCLIB file, or why there is no derivative.
  */
 #include <check.h>
 #include <float.h>
@@ -158,6 +162,8 @@ static int moved_answer(void *of, double h, double *out, dls_contact_state *stat
   dls_certificate c;
   ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_states(&p, r, u, state, NULL), DLS_OK);
+  for (size_t k = 0; k < v->nc; k++) /* without friction stick is slip */
+    if (mu[k] == 0 && state[k] == DLS_STICK) state[k] = DLS_SLIP;
   return 1;
 }
 
@@ -320,8 +326,6 @@ START_TEST(random_dense) {
   dls_error why;
   dls_contact p = random_problem(_i, &memory);
   const double worst = judge(&p, &why);
-  if (getenv("DERIVE_PRINT"))
-    printf("%d: %d contacts d %d, %g %s\n", _i, p.nc, p.d, worst, worst < 0 ? why.message : "");
   ck_assert_msg(worst <= tol, "%d: %g", _i, worst);
   if (worst < 0) ck_assert_int_ge(why.index, 0);
   free(memory);
@@ -345,6 +349,8 @@ START_TEST(random_storages) {
 }
 END_TEST
 
+static char **named; /* of the command line */
+
 static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
                                     "CubeH8",
                                     "FC2D_SliderCrankLagrangian00000",
@@ -353,26 +359,37 @@ static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
                                     "GFC3D_OneContact",
                                     "gfc2d_granularflowonwall_00069_00350"};
 
-START_TEST(fclib_files) {
-  dls_fclib *file = read_fclib_file(files[_i]);
-  if (!file) return;
-  dls_error why;
+/* Judges a file; -2: auto has no answer of it. *nc: contacts. */
+static double judge_file(const dls_fclib *file, int *nc, dls_error *why) {
   dls_contact p;
   dls_model body;
   dls_reduction *R = NULL;
   const double *f, *g, *mu;
+  dls_status status = DLS_OK;
   if (dls_fclib_is_global(file)) {
-    ck_assert_int_eq(dls_fclib_model(file, &body, &f, &g, &mu, &why), DLS_OK);
-    ck_assert_int_eq(dls_reduction_create(&R, &body, &why), DLS_OK);
-    ck_assert_int_eq(dls_reduction_load(R, f, g, &why), DLS_OK);
-    ck_assert_int_eq(dls_reduction_contact(R, mu, &p, &why), DLS_OK);
+    status = dls_fclib_model(file, &body, &f, &g, &mu, why);
+    if (!status) status = dls_reduction_create(&R, &body, why);
+    if (!status) status = dls_reduction_load(R, f, g, why);
+    if (!status) status = dls_reduction_contact(R, mu, &p, why);
   } else
-    ck_assert_int_eq(dls_fclib_contact(file, &p, &why), DLS_OK);
-  const double worst = judge(&p, &why);
-  if (getenv("DERIVE_PRINT"))
-    printf("%s: %d contacts, %g %s\n", files[_i], p.nc, worst, worst < 0 ? why.message : "");
-  ck_assert_msg(worst <= tol, "%s: %g", files[_i], worst);
+    status = dls_fclib_contact(file, &p, why);
+  ck_assert_msg(!status, "%s", why->message);
+  *nc = p.nc;
+  double *r = numbers((size_t)p.d * (size_t)p.nc);
+  const int solved = dls_solve(&p, NULL, r, NULL, NULL, NULL) == DLS_OK;
+  const double worst = solved ? judge(&p, why) : -2;
+  free(r);
   dls_reduction_destroy(R);
+  return worst;
+}
+
+START_TEST(fclib_files) {
+  dls_fclib *file = read_fclib_file(files[_i]);
+  if (!file) return;
+  dls_error why;
+  int nc;
+  const double worst = judge_file(file, &nc, &why);
+  ck_assert_msg(worst >= 0 && worst <= tol, "%s: %g", files[_i], worst);
   dls_fclib_destroy(file);
 }
 END_TEST
@@ -504,7 +521,10 @@ static void body_free(moved_body *v) {
 static void move_body(moved_body *v, const dls_model *of, dls_on on, const double *f,
                       const double *g, const double *mu) {
   const int dense = of->operator_kind == DLS_STIFFNESS_DENSE;
-  const int candidates = of->P.p ? of->P.cols : of->nodes;
+  const int all = of->P.p ? of->P.cols : of->nodes;
+  int candidates = 0;
+  for (int c = 0; c < all; c++)
+    candidates += !of->active || of->active[c];
   *v = (moved_body){.model = *of, .on = on, .f = f, .g = g, .mu = mu, .d = of->d};
   v->nc = candidates;
   v->n = (size_t)of->n;
@@ -597,8 +617,9 @@ static double judge_body(moved_body *v, dls_error *why) {
     const double of_x = norm_of(D + 2 * m, (int)n);
     worst = fmax(apart(d, D, m, 0), apart(d + 2 * m, D + 2 * m, n, 0));
     worst = fmax(worst, apart(d + m, D + m, m, of_x / sqrt((double)n)));
+    const double of_r = norm_of(D, (int)m);
     for (size_t k = 0; k < all; k++)
-      g[k] = uniform() / norm_of(k < m ? D : D + 2 * m, k < m ? (int)m : (int)n);
+      g[k] = uniform() / (k >= m ? of_x : of_r > 0 ? of_r : 1);
     ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){g, g + m, g + 2 * m},
                                     &(dls_derive_data){.f = gf, .g = gg, .mu = gmu, .K = gK}, NULL),
                      DLS_OK);
@@ -638,8 +659,6 @@ START_TEST(block_of_jean) {
   dls_fe_scene_get(scene, &data);
   move_body(&v, &data.model, _i & 8 ? DLS_ON_K : DLS_ON_W, data.f, data.g, data.mu);
   const double worst = judge_body(&v, &why);
-  if (getenv("DERIVE_PRINT"))
-    printf("jean %d: %d contacts, %g %s\n", _i, v.nc, worst, worst < 0 ? why.message : "");
   ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
   body_free(&v);
   dls_fe_scene_destroy(scene);
@@ -659,8 +678,6 @@ START_TEST(free_blocks) {
   move_body(&v, body, DLS_ON_K, S.f, S.g, mu);
   memset(v.dK, 0, v.values * sizeof *v.dK); /* rigid motions stay those of K */
   const double worst = judge_body(&v, &why);
-  if (getenv("DERIVE_PRINT"))
-    printf("free %d: %d contacts, %g %s\n", _i, v.nc, worst, worst < 0 ? why.message : "");
   ck_assert_msg(worst <= tol, "%g", worst);
   free(mu);
   body_free(&v);
@@ -668,9 +685,301 @@ START_TEST(free_blocks) {
 }
 END_TEST
 
-int main(void) {
+enum { small_n = 14, small_nodes = 4, small_joints = 2 };
+
+/* Dense random bodies, 2D and 3D: with joints or unsymmetric (_i & 2), weighted (4), with a contact
+ * without tangents and one left out (8). */
+START_TEST(random_bodies) {
+  double K[small_n * small_n] = {0}, N[small_n * small_nodes], T[2 * small_n * small_nodes];
+  double f[small_n], g[3 * small_nodes], W[small_n * small_n], A[small_n * small_n];
+  int p[2 * small_nodes + 1], row[2 * small_n * small_nodes];
+  const double weight[] = {0.75, 0.25, 0.125, 0.75, 0.125, 0.25, 0.75}, mus[] = {0.4, 0, 0.7, 0.3};
+  const int at[] = {0, 2, 5, 7}, node[] = {0, 1, 0, 1, 2, 2, 3}, active[] = {1, 1, 0, 1};
+  const int d = 2 + (_i & 1), joints = _i & 2 ? 0 : small_joints, own = small_n - joints;
+  set_seed((uint64_t)_i + 7);
+  for (int k = 0; k < own * own; k++)
+    A[k] = uniform();
+  gram(own, A, 0.5, W);
+  for (int j = 0; j < small_n; j++)
+    for (int i = 0; i < small_n; i++)
+      K[i + small_n * j] = i < own && j < own ? W[i + own * j] * (_i & 2 ? 1 + 0.1 * uniform() : 1)
+                           : i < own || j < own ? 0.5 * cos(i * j)
+                                                : 0;
+  for (int k = 0; k <= 2 * small_nodes; k++)
+    p[k] = own * k;
+  for (int k = 0; k < 2 * own * small_nodes; k++) {
+    row[k] = k % own;
+    T[k] = uniform() * (k % 3 == 0);
+    if (k < own * small_nodes) N[k] = uniform() * (k % 3 == 1);
+  }
+  for (int k = 0; k < small_n; k++)
+    f[k] = uniform();
+  for (int k = 0; k < 3 * small_nodes; k++)
+    g[k] = k % d == 0 ? -0.4 : 0.1 * uniform();
+  dls_model body = {.d = d,
+                    .n = small_n,
+                    .nodes = small_nodes,
+                    .operator_kind = DLS_STIFFNESS_DENSE,
+                    .factorization = _i & 2 ? DLS_LU : DLS_LDLT,
+                    .K = {small_n, small_n, small_n, K},
+                    .HN = {small_n, small_nodes, p, row, N},
+                    .HT = {small_n, (d - 1) * small_nodes, p, row, T}};
+  double mu[small_nodes], few[small_nodes];
+  for (int c = 0; c < small_nodes; c++)
+    mu[c] = few[c] = _i & 8 ? mus[c] : 0.4;
+  if (_i & 4) body.P = (dls_sparse){small_nodes, 3, at, node, weight};
+  if (_i & 8) {
+    body.active = active;
+    body.mu = mu;
+    few[2] = mu[3];
+  }
+  moved_body v;
+  dls_error why;
+  move_body(&v, &body, DLS_ON_W, f, g, few);
+  const double worst = judge_body(&v, &why);
+  ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
+  body_free(&v);
+}
+END_TEST
+
+/* E and nu of triangles and of quadrilaterals, by differences of the reduction of the scene; the
+ * loss is a sum of all nodes' displacements. */
+static double loss_of(double E, double nu, int weighted, double *of_E, double *of_nu) {
+  dls_fe_scene *scene;
+  dls_fe_scene_settings s;
+  dls_fe_scene_data data;
+  dls_reduction *R;
+  dls_contact p;
+  dls_proof proof;
+  dls_fe_scene_settings_init(&s);
+  s.nx = 8;
+  s.ny = 4;
+  s.E = E;
+  s.nu = nu;
+  ck_assert_int_eq(dls_fe_scene_create_with(&scene, "jean-fig3", weighted, &s, NULL), DLS_OK);
+  dls_fe_scene_get(scene, &data);
+  const size_t n = (size_t)data.model.n, all = 2 * (size_t)data.mesh->nodes;
+  double *x = numbers(n), *b = numbers(n), *on_mesh = numbers(2 * all), loss = 0;
+  ck_assert_int_eq(dls_reduction_create(&R, &data.model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, data.f, data.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_contact(R, data.mu, &p, NULL), DLS_OK);
+  double *r = numbers(2 * (size_t)p.nc);
+  ck_assert_int_ge(dls_solve(&p, NULL, r, NULL, NULL, NULL), 0);
+  ck_assert_int_eq(dls_contact_prove(&p, r, &proof, r, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  for (size_t k = 0; k < n; k++)
+    loss += x[k] * cos((double)k);
+  if (of_E) {
+    dls_derive *derive;
+    double *gx = numbers(n);
+    for (size_t k = 0; k < n; k++)
+      gx[k] = cos((double)k);
+    ck_assert_int_eq(dls_derive_create_body(&derive, R, data.mu, r, x, -1, NULL), DLS_OK);
+    ck_assert_int_eq(
+        dls_derive_vjp(derive, &(dls_derive_answer){.x = gx}, &(dls_derive_data){.f = b}, NULL),
+        DLS_OK);
+    dls_derive_destroy(derive);
+    free(gx);
+    ck_assert_int_eq(dls_fe_scene_displacement(scene, x, on_mesh, NULL), DLS_OK);
+    ck_assert_int_eq(dls_fe_scene_displacement(scene, b, on_mesh + all, NULL), DLS_OK);
+    ck_assert_int_eq(dls_fe_material_gradient(data.mesh, data.E, data.nu, on_mesh + all, on_mesh,
+                                              of_E, of_nu, NULL),
+                     DLS_OK);
+  }
+  dls_reduction_destroy(R);
+  dls_fe_scene_destroy(scene);
+  free(x);
+  free(b);
+  free(r);
+  free(on_mesh);
+  return loss;
+}
+
+START_TEST(material) {
+  double of_E, of_nu;
+  const double E = 1.3e11, nu = 0.27;
+  (void)loss_of(E, nu, _i, &of_E, &of_nu);
+  double D[2][2];
+  for (int k = 0; k < 2; k++) {
+    const double h = 1e-3 / (k + 1);
+    D[0][k] =
+        (loss_of(E * (1 + h), nu, _i, NULL, NULL) - loss_of(E * (1 - h), nu, _i, NULL, NULL)) /
+        (2 * h * E);
+    D[1][k] = (loss_of(E, nu + h, _i, NULL, NULL) - loss_of(E, nu - h, _i, NULL, NULL)) / (2 * h);
+  }
+  ck_assert_double_eq_tol(of_E / (D[0][1] + (D[0][1] - D[0][0]) / 3), 1, tol);
+  ck_assert_double_eq_tol(of_nu / (D[1][1] + (D[1][1] - D[1][0]) / 3), 1, tol);
+}
+END_TEST
+
+/* The linearised contact problem of one load step of the indentation of Chabrand et al. */
+START_TEST(indentation) {
+  dls_forming_settings s;
+  dls_forming *forming;
+  dls_contact p;
+  dls_error why;
+  dls_forming_settings_init(&s);
+  s.nx = 10;
+  s.ny = 5;
+  s.steps = 10;
+  ck_assert_int_eq(dls_forming_create(&forming, "indentation", &s, NULL), DLS_OK);
+  for (int k = 0; k <= _i; k++)
+    ck_assert_int_eq(dls_forming_step(forming, NULL), DLS_OK);
+  ck_assert_int_eq(dls_forming_problem(forming, &p, NULL), DLS_OK);
+  const double worst = judge(&p, &why);
+  ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
+  dls_forming_destroy(forming);
+}
+END_TEST
+
+/* ---- nothing wrong --------------------------------------------------------------------------- */
+
+/* A contact that slips beside one that sticks; all that may be wrong with a call is named. */
+START_TEST(bad_calls) {
+  double W[16] = {4, 0, 0.5, 0, 0, 2, 0, 0, 0.5, 0, 4, 0, 0, 0, 0, 2};
+  double q[4] = {-4, -0.25, -4, 3}, mu[2] = {0.5, 0.5}, r[4], out[4] = {7, 7, 7, 7};
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  const char *const create = "dls_derive_create", *const vjp = "dls_derive_vjp";
+  dls_derive *derive, *out_of[1];
+  dls_error e;
+  ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, NULL, NULL), DLS_OK);
+  expect_error(dls_derive_create(NULL, &p, r, -1, &e), &e, DLS_E_ARGUMENT, create, "out", -1);
+  expect_error(dls_derive_create(out_of, NULL, r, -1, &e), &e, DLS_E_ARGUMENT, create, "problem",
+               -1);
+  expect_error(dls_derive_create(out_of, &p, NULL, -1, &e), &e, DLS_E_ARGUMENT, create, "r", -1);
+  expect_error(dls_derive_create(out_of, &p, r, 2, &e), &e, DLS_E_ARGUMENT, create, "side", -1);
+  r[2] += 0.1;
+  expect_error(dls_derive_create(out_of, &p, r, -1, &e), &e, DLS_E_ARGUMENT, create, "r", -1);
+  r[2] = NAN;
+  expect_error(dls_derive_create(out_of, &p, r, -1, &e), &e, DLS_E_NOT_FINITE, create, "r", 2);
+  ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, NULL, NULL), DLS_OK);
+  expect_error(dls_derive_create_body(out_of, NULL, mu, r, r, -1, &e), &e, DLS_E_ARGUMENT,
+               "dls_derive_create_body", "reduction", -1);
+  long failed = 0;
+  for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; failed++) {
+    malloc_fails_at(failed + 1);
+    status = dls_derive_create(&derive, &p, r, -1, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !derive));
+  }
+  ck_assert_int_ge(failed, 4);
+  double g[4] = {1, 0, 0, NAN};
+  const dls_derive_answer loss = {.r = g};
+  const dls_derive_data gradient = {.q = out};
+  expect_error(dls_derive_vjp(NULL, &loss, &gradient, &e), &e, DLS_E_ARGUMENT, vjp, "derive", -1);
+  expect_error(dls_derive_vjp(derive, NULL, &gradient, &e), &e, DLS_E_ARGUMENT, vjp, "loss", -1);
+  expect_error(dls_derive_vjp(derive, &loss, NULL, &e), &e, DLS_E_ARGUMENT, vjp, "gradient", -1);
+  expect_error(dls_derive_vjp(derive, &loss, &gradient, &e), &e, DLS_E_NOT_FINITE, vjp, "r", 3);
+  expect_error(dls_derive_vjp(derive, &loss, &(dls_derive_data){.f = out}, &e), &e, DLS_E_ARGUMENT,
+               vjp, "derive", -1);
+  expect_error(dls_derive_jvp(derive, &(dls_derive_data){.q = g}, &loss, &e), &e, DLS_E_NOT_FINITE,
+               "dls_derive_jvp", "q", 3);
+  double dW[16] = {0};
+  dW[5] = INFINITY;
+  expect_error(
+      dls_derive_jvp(derive, &(dls_derive_data){.W = dW}, &(dls_derive_answer){.r = out}, &e), &e,
+      DLS_E_NOT_FINITE, "dls_derive_jvp", "W", 5);
+  for (int k = 0; k < 4; k++)
+    ck_assert_double_eq(out[k], 7);
+  g[3] = 0;
+  malloc_fails_at(0);
+  const dls_status status = dls_derive_vjp(derive, &loss, &gradient, NULL);
+  const long allocated = malloc_calls();
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_eq(allocated, 0);
+  /* dr_n(0) = l.(A^-1 ..): the first contact sticks, the second slips to the left */
+  ck_assert_double_eq_tol(out[0], -1 / (4 - 0.25 / 4), 1e-15);
+  dls_derive_destroy(derive);
+  dls_derive_destroy(NULL);
+  ck_assert_int_eq(dls_derive_create(&derive, &(dls_contact){.d = 2}, NULL, -1, &e), DLS_OK);
+  ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){NULL, NULL, NULL}, &gradient, NULL),
+                   DLS_OK);
+  dls_derive_destroy(derive);
+}
+END_TEST
+
+/* Of a reduction: no K, a body that nothing holds, a border, memory. */
+START_TEST(bad_bodies) {
+  const double K[4] = {3, 1, 1, 2}, F[4] = {0.4, -0.2, -0.2, 0.6}, one[] = {1}, mu[] = {0.2};
+  const int p[] = {0, 1}, along[] = {0}, up[] = {1};
+  double r[2] = {10.9375, -2.1875}, x[2] = {0.9375, 0}, load[2] = {5, -10}, out[2];
+  dls_model body = {.d = 2, .n = 2, .nodes = 1, .K = {2, 2, 2, K}};
+  const char *const name = "dls_derive_create_body";
+  dls_reduction *R;
+  dls_derive *derive;
+  dls_error e;
+  body.HN = (dls_sparse){2, 1, p, up, one};
+  body.HT = (dls_sparse){2, 1, p, along, one};
+  body.operator_kind = DLS_FLEXIBILITY;
+  body.K.a = F;
+  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, load, NULL, NULL), DLS_OK);
+  expect_error(dls_derive_create_body(&derive, R, mu, r, x, -1, &e), &e, DLS_E_UNSUPPORTED, name,
+               "reduction", -1);
+  dls_reduction_destroy(R);
+  body.K.a = K;
+  body.operator_kind = DLS_STIFFNESS_DENSE;
+  body.factorization = DLS_CHOLESKY;
+  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, load, NULL, NULL), DLS_OK);
+  expect_error(dls_derive_create_body(&derive, R, NULL, r, x, -1, &e), &e, DLS_E_ARGUMENT, name,
+               "mu", -1);
+  x[0] = NAN;
+  expect_error(dls_derive_create_body(&derive, R, mu, r, x, -1, &e), &e, DLS_E_NOT_FINITE, name,
+               "x", 0);
+  x[0] = 0.9375;
+  long failed = 0;
+  for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; failed++) {
+    malloc_fails_at(failed + 1);
+    status = dls_derive_create_body(&derive, R, mu, r, x, -1, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !derive));
+  }
+  ck_assert_int_ge(failed, 8);
+  /* docs/tour.md, 8: u_n = .64 r_n - 7 = 0, r_t = -mu r_n */
+  ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = (double[]){1, 0}},
+                                  &(dls_derive_data){.f = out}, NULL),
+                   DLS_OK);
+  ck_assert_double_eq_tol(out[0], 0.2 / 0.64, 1e-14);
+  ck_assert_double_eq_tol(out[1], -0.6 / 0.64, 1e-14);
+  ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = (double[]){1, 0}},
+                                  &(dls_derive_data){.mu = out}, NULL),
+                   DLS_OK);
+  ck_assert_double_eq_tol(out[0], -7 * 0.2 / (0.64 * 0.64), 1e-13); /* r_n = 7 / (.6 + .2 mu) */
+  expect_error(
+      dls_derive_vjp(derive, &(dls_derive_answer){.r = r}, &(dls_derive_data){.q = out}, &e), &e,
+      DLS_E_ARGUMENT, "dls_derive_vjp", "derive", -1);
+  dls_derive_destroy(derive);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+START_TEST(named_file) {
+  dls_fclib *file;
+  dls_error why;
+  int nc;
+  ck_assert_int_eq(dls_fclib_read(&file, named[_i], &why), DLS_OK);
+  const double worst = judge_file(file, &nc, &why);
+  printf("%s: %d contacts, ", strrchr(named[_i], '/') ? strrchr(named[_i], '/') + 1 : named[_i],
+         nc);
+  if (worst >= 0)
+    printf("%.1e\n", worst);
+  else
+    printf("%s\n", worst == -1 ? why.message : "not solved");
+  (void)fflush(stdout);
+  dls_fclib_destroy(file);
+}
+END_TEST
+
+int main(int argc, char **argv) {
+  if (argc > 1) {
+    named = argv + 1;
+    return RUN("derive", NULL, NULL, EACH(named_file, 0, argc - 1));
+  }
   return RUN("derive", NULL, NULL, ONCE(slip_turns), ONCE(friction_from_zero),
              EACH(random_dense, 0, 42), EACH(random_storages, 0, 12),
              EACH(random_storages, 100, 106), EACH(fclib_files, 0, 7), EACH(kinks, 0, 21),
-             ONCE(four_legs), EACH(block_of_jean, 0, 16), EACH(free_blocks, 0, 4));
+             ONCE(four_legs), EACH(block_of_jean, 0, 16), EACH(free_blocks, 0, 4),
+             EACH(random_bodies, 0, 16), EACH(material, 0, 2), EACH(indentation, 0, 6),
+             ONCE(bad_calls), ONCE(bad_bodies));
 }
