@@ -39,8 +39,8 @@ extern "C" {
 typedef struct dls_derive_data {
   double *mu; /* contacts */
   double *q;  /* on W: m; as a gradient a, dL/dW = a r^T                     length (velocity) */
-  double *W;  /* on W: each stored value: as W.a (W.ld m; what lies beyond m rows is left alone),
-                 Wb.x, or bodies.H (0 of a fixed body) */
+  double *W;  /* on W: each stored value: as W.a (W.ld m; beyond m rows nothing is written), Wb.x,
+                 or bodies.H (0 of a fixed body) */
   double *f;  /* on K: n; as a gradient b, dL/dK = -b x^T                    force (impulse) */
   double *g;  /* on K: d * nodes, as dls_reduction_load takes g              length (velocity) */
   double *K;  /* on K: each stored value: n x n without gaps, or as Ks.x. Of a symmetric K
@@ -59,8 +59,8 @@ typedef struct dls_derive_answer {
 typedef struct dls_derive dls_derive;
 
 /* Factors the matrix of the states of r. *out = NULL on error. problem: borrowed, as it is, until
- * destroy. r: m. O(rows^3) operations, m^2 doubles. DLS_E_NO_DERIVATIVE; DLS_E_ARGUMENT, also for an
- * r with a residual above 1e-4; DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+ * destroy. r: m. O(rows^3) operations, m^2 doubles. DLS_E_NO_DERIVATIVE; DLS_E_ARGUMENT, also for
+ * an r with a residual above 1e-4; DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_contact *problem,
                                                   const double *r, int side, dls_error *error);
 

@@ -35,7 +35,7 @@ static double *numbers(size_t n) {
   return x;
 }
 
-static double dot(const double *x, const double *y, size_t n) {
+static double scalar(const double *x, const double *y, size_t n) {
   double sum = 0;
   for (size_t i = 0; i < n; i++)
     sum += x[i] * y[i];
@@ -178,7 +178,7 @@ static double apart(const double *x, const double *y, size_t n, double size) {
 
 /* Returns the larger difference of jvp and vjp of this direction to D (r and u), and asserts that
  * the two agree. */
-static double compare(const moved *v, dls_derive *derive, const double *D) {
+static double judge_both(const moved *v, dls_derive *derive, const double *D) {
   const size_t m = v->m;
   double *g = numbers(2 * m), *dr = numbers(2 * m), *gq = numbers(m), *gmu = numbers(v->nc);
   double *gW = numbers(v->values);
@@ -194,10 +194,10 @@ static double compare(const moved *v, dls_derive *derive, const double *D) {
   ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = g, .u = g + m},
                                   &(dls_derive_data){.q = gq, .mu = gmu, .W = gW}, NULL),
                    DLS_OK);
-  double L = dot(gq, v->dq, m) + dot(gmu, v->dmu, v->nc) + dot(gW, v->dW, v->values);
+  double L = scalar(gq, v->dq, m) + scalar(gmu, v->dmu, v->nc) + scalar(gW, v->dW, v->values);
   const double size = norm_of(g, (int)(2 * m));
-  ck_assert_double_le(fabs(L - dot(g, dr, 2 * m)), 1e-9 * size);
-  worst = fmax(worst, fabs(L - dot(g, D, 2 * m)) / size);
+  ck_assert_double_le(fabs(L - scalar(g, dr, 2 * m)), 1e-9 * size);
+  worst = fmax(worst, fabs(L - scalar(g, D, 2 * m)) / size);
   free(g);
   free(dr);
   free(gq);
@@ -219,7 +219,7 @@ static double judge(const dls_contact *p, dls_error *why) {
   const dls_status status = dls_derive_create(&derive, p, v.start, -1, why);
   if (status == DLS_OK) {
     ck_assert(differentiate(moved_answer, &v, 0, 2 * (int)v.m, p->nc, D));
-    worst = compare(&v, derive, D);
+    worst = judge_both(&v, derive, D);
     dls_derive_destroy(derive);
   } else {
     ck_assert_msg(status == DLS_E_NO_DERIVATIVE, "%s", why->message);
@@ -302,7 +302,7 @@ END_TEST
 enum { most_m = 300 };
 
 /* W dense with a leading dimension beyond m; every third one unsymmetric. */
-static dls_contact random_problem(int i, double **memory) {
+static dls_contact random_contacts(int i, double **memory) {
   static const int sizes[] = {1, 2, 4, 10, 30, 60, 100};
   set_seed((uint64_t)(i + 1));
   const int d = 1 + i % 3, nc = sizes[i / 3 % 7], m = d * nc, ld = m + 2;
@@ -324,7 +324,7 @@ static dls_contact random_problem(int i, double **memory) {
 START_TEST(random_dense) {
   double *memory;
   dls_error why;
-  dls_contact p = random_problem(_i, &memory);
+  dls_contact p = random_contacts(_i, &memory);
   const double worst = judge(&p, &why);
   ck_assert_msg(worst <= tol, "%d: %g", _i, worst);
   if (worst < 0) ck_assert_int_ge(why.index, 0);
@@ -423,7 +423,7 @@ static int put_on_border(dls_contact *p, double *q, double *mu, int c, const dou
  * right and to the left, and they differ. */
 START_TEST(kinks) {
   double *memory;
-  dls_contact p = random_problem(_i, &memory);
+  dls_contact p = random_contacts(_i, &memory);
   const size_t m = (size_t)p.d * (size_t)p.nc;
   double *q = numbers(m), *mu = numbers((size_t)p.nc), *at = numbers(2 * m), *D = numbers(2 * m);
   double *dr[2] = {numbers(2 * m), numbers(2 * m)};
@@ -623,11 +623,11 @@ static double judge_body(moved_body *v, dls_error *why) {
     ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){g, g + m, g + 2 * m},
                                     &(dls_derive_data){.f = gf, .g = gg, .mu = gmu, .K = gK}, NULL),
                      DLS_OK);
-    const double L = dot(gf, v->df, n) + dot(gg, v->dg, v->nodes) +
-                     dot(gmu, v->dmu, (size_t)v->nc) + dot(gK, v->dK, v->values);
+    const double L = scalar(gf, v->df, n) + scalar(gg, v->dg, v->nodes) +
+                     scalar(gmu, v->dmu, (size_t)v->nc) + scalar(gK, v->dK, v->values);
     const double size = norm_of(g, (int)all);
-    ck_assert_double_le(fabs(L - dot(g, d, all)), 1e-9 * size);
-    worst = fmax(worst, fabs(L - dot(g, D, all)) / size);
+    ck_assert_double_le(fabs(L - scalar(g, d, all)), 1e-9 * size);
+    worst = fmax(worst, fabs(L - scalar(g, D, all)) / size);
     dls_derive_destroy(derive);
   } else
     ck_assert_msg(status == DLS_E_NO_DERIVATIVE, "%s", why->message);
