@@ -26,12 +26,17 @@ struct dls_derive {
   double *motion;      /* on W of rigid bodies: motions of all bodies, twice */
 };
 
+/* ---- derive_states.c ------------------------------------------------------------------------- */
+
 /* Makes an empty object for a problem, with n unknowns of K: only problem is set. *out = NULL on
  * error: DLS_E_MEMORY. */
 dls_status dlsi_derive_new(dls_derive **out, const dls_contact *problem, int n, dls_error *error);
 
 /* Sets states, branches and t from r, u and w. DLS_E_NO_DERIVATIVE, DLS_E_ARGUMENT (r, side). */
 dls_status dlsi_derive_choose(dls_derive *work, int side, double residual, dls_error *error);
+
+/* z := A^-1 z or M^-1 z, or transposed. DLS_E_MEMORY. */
+dls_status dlsi_derive_solve(dls_derive *work, int transposed, dls_error *error);
 
 /* (DR7) after a factorisation that ended with `status`. DLS_E_NO_DERIVATIVE. */
 dls_status dlsi_derive_judge(dls_derive *work, dls_status status, dls_error *error);

@@ -1,0 +1,149 @@
+/*
+ * derive.c: the cost of derivatives beside that of the answer. Writes derive.md.
+ *
+ * Sets: random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, 50 to 500
+ * contacts; elastic blocks and cubes (solvers_scenes.c) with 50 to 500 contacts; W dense. CPU
+ * seconds over those of dls_solve at 1e-8 by auto, each the least of 3 calls: of dls_derive_create,
+ * of dls_derive_vjp for dL/dq and dL/dmu, and with dL/dW, which writes m^2 numbers, and of
+ * dls_derive_jvp.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "delassus/derive.h"
+#include "solvers_scenes.h"
+
+enum { calls = 3, randoms = 36, most_costs = 500, sets = 3, kinds = 4 };
+
+void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
+            const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
+            size_t);
+
+typedef struct derive_set {
+  const char *name;
+  int problems, solved, without; /* an answer without a derivative */
+  int count;
+  double cost[kinds][most_costs]; /* create, vjp, vjp with W, jvp */
+} derive_set;
+
+/* *least := min(*least, CPU since begun). */
+static void derive_clock(double begun, double *least) {
+  *least = fmin(*least, bench_seconds() - begun);
+}
+
+static void derive_scene(void *data, const scene *s) {
+  derive_set *set = data;
+  const dls_contact *p = &s->contact;
+  const size_t m = (size_t)p->d * (size_t)p->nc;
+  if (!p->W.a || p->nc < 50 || p->nc > 500 || set->count == most_costs) return;
+  if (s->model && strcmp(s->set, "global") == 0) return; /* twice the same */
+  double *r = calloc(5 * m + (size_t)p->nc + (size_t)p->W.ld * m, sizeof *r);
+  if (!r) return;
+  double *g = r + m, *q = g + m, *dr = q + m, *mu = dr + 2 * m, *W = mu + p->nc;
+  double least[kinds] = {INFINITY, INFINITY, INFINITY, INFINITY}, solve = INFINITY;
+  dls_status status = DLS_OK;
+  for (size_t k = 0; k < m; k++)
+    g[k] = cos((double)k);
+  for (int k = 0; k < calls && !status; k++) {
+    const double begun = bench_seconds();
+    status = dls_solve(p, NULL, r, NULL, NULL, NULL);
+    derive_clock(begun, &solve);
+  }
+  set->problems++;
+  set->solved += !status;
+  for (int k = 0; k < calls && !status; k++) {
+    dls_derive *derive;
+    double begun = bench_seconds();
+    status = dls_derive_create(&derive, p, r, -1, NULL);
+    derive_clock(begun, &least[0]);
+    if (status) break;
+    begun = bench_seconds();
+    status = dls_derive_vjp(derive, &(dls_derive_answer){.r = g},
+                            &(dls_derive_data){.q = q, .mu = mu}, NULL);
+    derive_clock(begun, &least[1]);
+    begun = bench_seconds();
+    if (!status)
+      status = dls_derive_vjp(derive, &(dls_derive_answer){.r = g},
+                              &(dls_derive_data){.q = q, .mu = mu, .W = W}, NULL);
+    derive_clock(begun, &least[2]);
+    begun = bench_seconds();
+    if (!status)
+      status = dls_derive_jvp(derive, &(dls_derive_data){.q = g},
+                              &(dls_derive_answer){.r = dr, .u = dr + m}, NULL);
+    derive_clock(begun, &least[3]);
+    dls_derive_destroy(derive);
+  }
+  set->without += status == DLS_E_NO_DERIVATIVE;
+  for (int k = 0; k < kinds && !status; k++)
+    set->cost[k][set->count] = least[k] / solve;
+  set->count += !status;
+  free(r);
+}
+
+/* Judges random problem k. */
+static void derive_random(int k, derive_set *set) {
+  uint64_t seed = 2 * (uint64_t)k + 2;
+  scene s = {.set = "random"};
+  const int d = 1 + k % 3, nc = 50 + 450 * (k / 3) / 11, n = d * nc;
+  const size_t m = (size_t)n;
+  double *A = malloc(m * m * sizeof *A), *W = calloc(m * m, sizeof *W);
+  double *q = malloc(m * sizeof *q), *mu = malloc((size_t)nc * sizeof *mu);
+  for (size_t i = 0; A && i < m * m; i++)
+    A[i] = bench_draw(&seed);
+  const double over = 1 / (double)m, zero = 0;
+  if (A && W) dsyrk_("L", "N", &n, &n, &over, A, &n, &zero, W, &n, 1, 1);
+  for (size_t j = 0; W && j < m; j++) {
+    W[j * (m + 1)] += k / 3 % 2 ? 1e-3 : 0.1;
+    for (size_t i = j + 1; i < m; i++)
+      W[j + i * m] = W[i + j * m];
+  }
+  for (size_t i = 0; q && i < m; i++)
+    q[i] = bench_draw(&seed) - (i % (size_t)d == 0 ? 0.3 : 0);
+  for (int c = 0; mu && c < nc; c++)
+    mu[c] = d == 1 ? 0 : 0.45 + 0.35 * bench_draw(&seed);
+  s.contact = (dls_contact){.d = d, .nc = nc, .W = {n, n, n, W}, .q = q, .mu = mu};
+  if (A && W && q && mu) derive_scene(set, &s);
+  free(A);
+  free(W);
+  free(q);
+  free(mu);
+}
+
+static void derive_row(FILE *page, derive_set *s) {
+  bench_print(page, "| %s | %d of %d | %d |", s->name, s->solved, s->problems, s->without);
+  for (int k = 0; k < kinds; k++)
+    bench_print(page, " %.2f |", bench_median((size_t)s->count, s->cost[k]));
+  bench_print(page, "\n");
+}
+
+int main(int argc, char **argv) {
+  static derive_set set[sets + 1] = {
+      {.name = "random"}, {.name = "elastic blocks"}, {.name = "elastic cubes"}, {.name = "all"}};
+  const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
+  if (!out) return 1;
+  for (int k = 0; k < randoms; k++)
+    derive_random(k, &set[0]);
+  if (scenes_blocks(0, derive_scene, &set[1]) || scenes_cubes(0, derive_scene, &set[2])) return 1;
+  FILE *page = bench_page(out, "derive", "Cost of derivatives", argc, argv);
+  if (!page) return 1;
+  bench_print(
+      page, "\n50 to 500 contacts, W dense: CPU over that of `dls_solve` at 1e-8 by auto, medians. "
+            "One create serves any number of\ngradients (vjp: dL/dq, dL/dmu) and directions "
+            "(jvp: dr, du) at an answer.\n\n"
+            "| set | solved | no derivative | create | vjp | vjp with dL/dW | jvp |\n"
+            "|---|---|---|---|---|---|---|\n");
+  for (int k = 0; k < sets; k++) {
+    derive_set *all = &set[sets];
+    all->problems += set[k].problems;
+    all->solved += set[k].solved;
+    all->without += set[k].without;
+    for (int i = 0; i < set[k].count && all->count < most_costs; i++, all->count++)
+      for (int kind = 0; kind < kinds; kind++)
+        all->cost[kind][all->count] = set[k].cost[kind][i];
+    derive_row(page, &set[k]); /* sorts */
+  }
+  derive_row(page, &set[sets]);
+  return fclose(page) != 0;
+}
