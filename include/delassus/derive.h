@@ -64,9 +64,9 @@ typedef struct dls_derive dls_derive;
 DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_contact *problem,
                                                   const double *r, int side, dls_error *error);
 
-/* Works as dls_derive_create for the body of a reduction, made on W or on K, and its answer (r, x):
- * K of the last create or update and g of the last load, neither of which may change until destroy.
- * mu (contacts): borrowed; NULL: model.mu. r: m; x: n. K may be singular, where contacts alone hold
+/* Works as dls_derive_create for the body of a reduction, made on W or on K, and its answer (r, x)
+ * for the last load. No update of the reduction until destroy. mu (contacts); NULL: model.mu. r: m;
+ * x: n. K may be singular, where contacts alone hold
  * a body; then (r, x) is in equilibrium without springs. A sparse LU of K beside the contacts.
  *
  * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factors

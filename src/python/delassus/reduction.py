@@ -113,7 +113,7 @@ class Reduction(Owner):
         self._host.solve = solve
         self._call("dls_reduction_create_either", byref(self._held), byref(model), byref(create))
         self._matrix = kept[0]  # for the pattern of dL/dK; the library has copied it
-        self._loaded = 0  # counts loads and updates
+        self._loaded = self._updated = 0  # counts loads and updates
         # the sizes that the library holds: no update changes them
         self.d: int = model.d
         self.n: int = model.n
@@ -177,6 +177,7 @@ class Reduction(Owner):
         model, kept, solve = self._model(K, HN, HT)
         before, self._host.solve = self._host.solve, solve
         self._loaded += 1
+        self._updated += 1
         self._call("dls_reduction_update", self._held, byref(model), solve=before)
         self._matrix = kept[0]
 
@@ -221,13 +222,15 @@ class Reduction(Owner):
         finally:
             self._host.callback.end()
         solution.x = x
-        loaded = self._loaded
+        loaded, updated = self._loaded, self._updated
 
         def derivative(of: Solution, side: int, made: Derivative | None) -> Derivative:
+            if made is not None and self._updated == updated:
+                return made
             if self._loaded != loaded:
                 raise ValueError("the reduction has taken another load or K since this solution")
             assert of.x is not None
-            return made or Derivative(
+            return Derivative(
                 "dls_derive_create_body", self._held, address(mu), address(of.r), address(of.x),
                 side, d=self.d, nc=self.candidates, r=of.r, x=of.x.copy(), matrix=self._matrix,
                 nodes=(self._nodes, self.d), kept=(self, mu))
