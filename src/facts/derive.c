@@ -34,13 +34,14 @@
 static dls_status derive_create(dls_derive *work, const double *r, int side, dls_error *error) {
   const dls_contact *problem = &work->problem;
   dls_certificate found;
-  dls_status status = dls_contact_certify(problem, r, work->u, &found, error);
-  if (!status) status = dlsi_form_blocks(&work->formed, &problem, error);
+  dls_status status = dlsi_form_blocks(&work->formed, &problem, error);
   if (status) return status;
   work->problem = *problem;
   problem = &work->problem;
   memcpy(work->r, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
   dlsi_certificate_weights(problem, work->w);
+  dlsi_contact_multiply(problem, NULL, r, work->u, work->a);
+  dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->b, &found);
   status = dlsi_states_create(&work->A, problem, error);
   if (status) return status;
   status = dlsi_derive_choose(work, side, found.residual, error);
