@@ -57,7 +57,7 @@ static void gauge(const double *x, double *top) {
 }
 
 /* Solves for mu and the load; u_mu, u_load (or NULL): the derivatives of the gauges. */
-static void answer(double mu, double load, double *u, double *u_mu, double *u_load) {
+static void displace(double mu, double load, double *u, double *u_mu, double *u_load) {
   double f[most], friction[nx], ones[nx], r[2 * nx], x[most], dx[most];
   dls_derive *derive;
   for (int k = 0; k < data.model.n; k++)
@@ -89,12 +89,12 @@ int main(void) {
   check(dls_reduction_create(&reduction, &data.model, &error));
   loads(5e8, 0, 0, f_top);
   loads(0, 9e8, 25e8, f_side);
-  answer(0.8, 1, measured, NULL, NULL);
+  displace(0.8, 1, measured, NULL, NULL);
   for (int k = 0; k < line; k++)
     measured[k] = 1e-7 * round(measured[k] / 1e-7);
   for (int step = 0; step < 5; step++) {
     double aa = 0, ab = 0, bb = 0, ae = 0, be = 0, ee = 0;
-    answer(mu, load, u, a, b);
+    displace(mu, load, u, a, b);
     for (int k = 0; k < line; k++) {
       const double e = measured[k] - u[k];
       aa += a[k] * a[k];
