@@ -38,7 +38,7 @@ static dls_status derive_create(dls_derive *work, const double *r, int side, dls
   if (status) return status;
   work->problem = *problem;
   problem = &work->problem;
-  memcpy(work->r, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+  if (r) memcpy(work->r, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
   dlsi_certificate_weights(problem, work->w);
   dlsi_contact_multiply(problem, NULL, r, work->u, work->a);
   dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->b, &found);

@@ -133,7 +133,7 @@ static dls_status derive_factor(dls_derive *work, dls_error *error) {
 static dls_status derive_body(dls_derive *work, const double *r, const double *x, int side,
                               double residual, dls_error *error) {
   const size_t nc = (size_t)work->problem.nc, m = (size_t)work->problem.d * nc;
-  memcpy(work->r, r, m * sizeof *r);
+  if (r) memcpy(work->r, r, m * sizeof *r);
   memcpy(work->x, x, (size_t)work->n * sizeof *x);
   memcpy(work->w, work->body.w, 2 * nc * sizeof *work->w);
   memcpy(work->u, work->body.gap, m * sizeof *work->u);

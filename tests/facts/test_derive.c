@@ -42,6 +42,14 @@ static double scalar(const double *x, const double *y, size_t n) {
   return sum;
 }
 
+/* Returns an array of numbers that an output has to replace. */
+static double *garbage(size_t n) {
+  double *x = numbers(n);
+  for (size_t i = 0; i < n; i++)
+    x[i] = 7;
+  return x;
+}
+
 /* ---- differences ----------------------------------------------------------------------------- */
 
 /* Fills out (size) and state (nc) with the answer for the data + h direction; 0: not solved. */
@@ -180,8 +188,8 @@ static double apart(const double *x, const double *y, size_t n, double size) {
  * the two agree. */
 static double judge_both(const moved *v, dls_derive *derive, const double *D) {
   const size_t m = v->m;
-  double *g = numbers(2 * m), *dr = numbers(2 * m), *gq = numbers(m), *gmu = numbers(v->nc);
-  double *gW = numbers(v->values);
+  double *g = numbers(2 * m), *dr = garbage(2 * m), *gq = garbage(m), *gmu = garbage(v->nc);
+  double *gW = garbage(v->values);
   dls_error e;
   ck_assert_msg(!dls_derive_jvp(derive, &(dls_derive_data){.q = v->dq, .mu = v->dmu, .W = v->dW},
                                 &(dls_derive_answer){.r = dr, .u = dr + m}, &e),
@@ -593,8 +601,8 @@ static int body_answer(void *of, double h, double *out, dls_contact_state *state
 static double judge_body(moved_body *v, dls_error *why) {
   const size_t m = v->m, n = v->n, all = 2 * m + n;
   double *at = numbers(all), *D = numbers(all), *d = numbers(all), *g = numbers(all), worst = -1;
-  double *gf = numbers(n), *gg = numbers(v->nodes), *gmu = numbers((size_t)v->nc);
-  double *gK = numbers(v->values);
+  double *gf = garbage(n), *gg = garbage(v->nodes), *gmu = garbage((size_t)v->nc);
+  double *gK = garbage(v->values);
   dls_contact_state *state = malloc(((size_t)v->nc + 1) * sizeof *state);
   dls_reduction *R;
   dls_derive *derive;
@@ -671,7 +679,7 @@ START_TEST(free_blocks) {
   moved_body v;
   dls_error why;
   solids_stack(&S, 2 + _i % 2, 1 + _i / 2, 3, 0.5);
-  const dls_model *body = solids_model(&S);
+  const dls_model *body = &S.model;
   double *mu = numbers((size_t)body->nodes);
   for (int c = 0; c < body->nodes; c++)
     mu[c] = 0.3;
