@@ -257,60 +257,48 @@ static dls_status derive_jvp(dls_derive *work, const dls_derive_data *change,
   return DLS_OK;
 }
 
-/* An array that goes in: NULL, or finite numbers. */
-typedef struct derive_given {
-  const char *name;
-  const double *x;
-  size_t size;
-} derive_given;
-
-/* Checks what goes in and begins a call. */
-static dls_status derive_enter(dls_derive *work, const dls_derive_data *data,
-                               const dls_derive_answer *answer, int count,
-                               const derive_given *given, dls_error *error) {
-  dls_status status = DLS_OK;
+/* Checks the arrays that go in, and computes one product or the other. */
+static dls_status derive_call(dls_derive *work, int forward, const dls_derive_data *data,
+                              const dls_derive_answer *answer, dls_error *error) {
+  if (!work) return dlsi_is_null(error, "derive");
+  if (!data) return dlsi_is_null(error, forward ? "change" : "gradient");
+  if (!answer) return dlsi_is_null(error, forward ? "moved" : "loss");
   if (work->A ? data->f || data->g || data->K || answer->x : data->q || data->W)
     return dlsi_fail(error, DLS_E_ARGUMENT, "derive", -1, 0, "made on %s of these arrays",
                      work->A ? "W, without f, g, K, x" : "K, without q, W");
-  for (int k = 0; !status && k < count; k++)
-    if (given[k].x) status = dlsi_check_vector(given[k].name, given[k].x, given[k].size, error);
-  return status ? status : dlsi_enter(&work->busy, "derive", error);
+  const dlsi_reduced *body = &work->body;
+  const size_t nc = (size_t)work->problem.nc, m = (size_t)work->problem.d * nc, n = (size_t)work->n;
+  const struct {
+    const char *name;
+    const double *x;
+    size_t size;
+    int of_data;
+  } given[] = {{"mu", data->mu, nc, 1},
+               {"q", data->q, m, 1},
+               {"f", data->f, n, 1},
+               {"g", data->g, (size_t)body->space * (size_t)body->nodes, 1},
+               {"K", data->K, work->A ? 0 : dlsi_derive_values(&body->K), 1},
+               {"r", answer->r, m, 0},
+               {"u", answer->u, m, 0},
+               {"x", answer->x, n, 0}};
+  dls_status status = DLS_OK;
+  for (size_t k = 0; !status && k < sizeof given / sizeof *given; k++)
+    if (given[k].x && given[k].of_data == forward)
+      status = dlsi_check_vector(given[k].name, given[k].x, given[k].size, error);
+  if (!status) status = dlsi_enter(&work->busy, "derive", error);
+  if (status) return status;
+  return dlsi_leave(&work->busy, forward ? derive_jvp(work, data, answer, error)
+                                         : derive_vjp(work, answer, data, error));
 }
 
 dls_status dls_derive_vjp(dls_derive *derive, const dls_derive_answer *loss,
                           const dls_derive_data *gradient, dls_error *error) {
   DLSI_DOOR;
-  if (!derive || !loss || !gradient)
-    return dlsi_at(__func__,
-                   dlsi_is_null(error, !derive ? "derive"
-                                       : loss  ? "gradient"
-                                               : "loss"),
-                   error);
-  const size_t m = (size_t)derive->problem.d * (size_t)derive->problem.nc;
-  const derive_given given[] = {
-      {"r", loss->r, m}, {"u", loss->u, m}, {"x", loss->x, (size_t)derive->n}};
-  dls_status status = derive_enter(derive, gradient, loss, 3, given, error);
-  if (!status) status = dlsi_leave(&derive->busy, derive_vjp(derive, loss, gradient, error));
-  return dlsi_at(__func__, status, error);
+  return dlsi_at(__func__, derive_call(derive, 0, gradient, loss, error), error);
 }
 
 dls_status dls_derive_jvp(dls_derive *derive, const dls_derive_data *change,
                           const dls_derive_answer *moved, dls_error *error) {
   DLSI_DOOR;
-  if (!derive || !change || !moved)
-    return dlsi_at(__func__,
-                   dlsi_is_null(error, !derive  ? "derive"
-                                       : change ? "moved"
-                                                : "change"),
-                   error);
-  const dlsi_reduced *body = &derive->body;
-  const size_t nc = (size_t)derive->problem.nc;
-  const derive_given given[] = {{"mu", change->mu, nc},
-                                {"q", change->q, (size_t)derive->problem.d * nc},
-                                {"f", change->f, (size_t)derive->n},
-                                {"g", change->g, (size_t)body->space * (size_t)body->nodes},
-                                {"K", change->K, body->H ? dlsi_derive_values(&body->K) : 0}};
-  dls_status status = derive_enter(derive, change, moved, 5, given, error);
-  if (!status) status = dlsi_leave(&derive->busy, derive_jvp(derive, change, moved, error));
-  return dlsi_at(__func__, status, error);
+  return dlsi_at(__func__, derive_call(derive, 1, change, moved, error), error);
 }
