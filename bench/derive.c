@@ -13,6 +13,7 @@
 
 #include "common.h"
 #include "delassus/derive.h"
+#include "delassus/fe.h"
 #include "solvers_scenes.h"
 
 enum { calls = 3, randoms = 36, most_costs = 500, sets = 3, kinds = 5 };
@@ -112,6 +113,51 @@ static void derive_random(int k, derive_set *set) {
   free(mu);
 }
 
+/* Writes the row of Jean's block with nx x nx/2 rectangles. */
+static dls_status derive_block(FILE *page, int nx) {
+  dls_fe_scene *jean;
+  dls_fe_scene_settings is;
+  dls_fe_scene_data of;
+  dls_fe_scene_settings_init(&is);
+  is.nx = nx;
+  is.ny = nx / 2;
+  dls_status status = dls_fe_scene_create_with(&jean, "jean-fig3", 0, &is, NULL);
+  if (status) return status;
+  dls_fe_scene_get(jean, &of);
+  const size_t n = (size_t)of.model.n, m = 2 * (size_t)of.candidates;
+  double *r = calloc(3 * m + 3 * n, sizeof *r), *x = r ? r + m : NULL;
+  double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+  for (int k = 0; r && k < calls && !status; k++) {
+    dls_reduction *reduction = NULL;
+    dls_derive *derive = NULL;
+    double *g = x + n, *f = g + n, *mu = f + n, begun = bench_seconds();
+    for (size_t i = 0; i < n; i++)
+      g[i] = cos((double)i);
+    status = dls_reduction_create(&reduction, &of.model, NULL);
+    derive_clock(begun, &least[0]);
+    begun = bench_seconds();
+    if (!status) status = dls_reduction_load(reduction, of.f, of.g, NULL);
+    if (!status) status = dls_reduction_solve(reduction, of.mu, NULL, r, NULL, x, NULL, NULL);
+    derive_clock(begun, &least[1]);
+    begun = bench_seconds();
+    if (!status) status = dls_derive_create_body(&derive, reduction, of.mu, r, x, -1, NULL);
+    derive_clock(begun, &least[2]);
+    begun = bench_seconds();
+    if (!status)
+      status = dls_derive_vjp(derive, &(dls_derive_answer){.x = g},
+                              &(dls_derive_data){.f = f, .mu = mu}, NULL);
+    derive_clock(begun, &least[3]);
+    dls_derive_destroy(derive);
+    dls_reduction_destroy(reduction);
+  }
+  if (r && !status)
+    bench_print(page, "| %d x %d | %d | %.2f | %.2f | %.3f |\n", nx, nx / 2, of.model.n,
+                least[1] / least[0], least[2] / least[0], least[3] / least[0]);
+  free(r);
+  dls_fe_scene_destroy(jean);
+  return status;
+}
+
 static void derive_row(FILE *page, derive_set *s) {
   bench_print(page, "| %s | %d of %d | %d |", s->name, s->solved, s->problems, s->without);
   for (int k = 0; k < kinds; k++)
@@ -147,5 +193,11 @@ int main(int argc, char **argv) {
     derive_row(page, &set[k]); /* sorts */
   }
   derive_row(page, &set[sets]);
+  bench_print(
+      page, "\nOn K: the block of Jean (1988), Fig. 3, CPU over that of `dls_reduction_create`.\n\n"
+            "| mesh | unknowns | load and solve | create | vjp (dL/df, dL/dmu) |\n"
+            "|---|---|---|---|---|\n");
+  for (int nx = 16; nx <= 128; nx *= 2)
+    if (derive_block(page, nx)) return 1;
   return fclose(page) != 0;
 }
