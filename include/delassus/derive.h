@@ -1,29 +1,28 @@
 /*
- * delassus/derive.h: derivatives of an answer with respect to the data, of any loss or in any
- * direction.
+ * delassus/derive.h: derivatives of an answer with respect to its data.
  *
- *   u = W r + q and the laws of contact.h           data W, q, mu;       answer r, u
- *   K x = f + H r, u = H^T x + g and these laws     data K, f, g, mu;    answer r, u, x
+ *   on W   u = W r + q and the laws of contact.h           data W, q, mu      answer r, u
+ *   on K   K x = f + H r, u = H^T x + g and these laws     data K, f, g, mu   answer r, u, x
  *
- * Where no contact is on the border of two states and the reactions are determined, a solution r
- * is a smooth function of the data. One factorisation, in create, gives all derivatives. They are
- * exact up to rounding for an exact r, and as accurate as r otherwise: dls_contact_prove improves
- * an r to rounding. The formulas: src/facts/derive.c.
+ * The answer is a smooth function of the data where no contact is on the border of two states and
+ * the reactions are determined. Create factors one matrix; each gradient or direction then takes
+ * one solve with it. The derivatives are exact to rounding for an exact r, and as accurate as r
+ * otherwise (dls_contact_prove improves r to rounding). Formulas: src/facts/derive.c.
  *
- * Create refuses an r without a derivative: DLS_E_NO_DERIVATIVE,
+ * Create refuses an answer without derivatives by DLS_E_NO_DERIVATIVE:
  *
  *   argument "contact", index c   contact c is on the border of two states, which the message
- *                                 names: its distance from the other one is at most 1e-6 of the
- *                                 largest entry of (w r, u), or 10 times what r lacks
+ *                                 names: within max(1e-6, 10 residual) of the largest entry of
+ *                                 (w r, u)
  *   argument "r"                  the reactions are not determined (self-stresses)
  *
- * On a border the answer has one derivative for each of the two states. With side = 0 or 1 create
- * takes one of them: 0 the higher state of dls_contact_state (stick rather than slip, closed rather
- * than free), 1 the lower one, for all contacts on a border. side = -1: refuse.
+ * On a border the answer has a kink, with one derivative for each of the two states. side = 0 takes
+ * the higher state of dls_contact_state (stick rather than slip, closed rather than free), side = 1
+ * the lower one, at all contacts on a border; side = -1 refuses.
  *
- * The friction of a contact that sticks, is free, has mu = INFINITY, or has mu = 0 and does not
- * move along its tangents does not matter: its derivative is 0. For mu_c = 0 and u_t not 0 the
- * derivative is the one to the right.
+ * The derivative with respect to mu_c is 0 where contact c is free or sticks, where mu_c is
+ * INFINITY, and where mu_c = 0 and u_t = 0. Where mu_c = 0 and u_t is not 0 it is the derivative to
+ * the right.
  */
 #ifndef DELASSUS_DERIVE_H
 #define DELASSUS_DERIVE_H
@@ -65,14 +64,14 @@ DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_co
                                                   const double *r, int side, dls_error *error);
 
 /* Works as dls_derive_create for the body of a reduction, made on W or on K, and its answer (r, x)
- * for the last load. No update of the reduction until destroy. mu (contacts); NULL: model.mu. r: m;
- * x: n. K may be singular, where contacts alone hold
- * a body; then (r, x) is in equilibrium without springs. A sparse LU of K beside the contacts.
+ * for the last load. The reduction must not be updated until destroy. mu: one for each contact;
+ * NULL: model.mu. r: m; x: n. K may be singular where contacts alone hold a body; (r, x) is in
+ * equilibrium without the springs of held modes. Factors a sparse matrix of K and the contacts.
  *
  * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factors
- * nothing, and load g. A flexibility or a host's solver is DLS_E_UNSUPPORTED: dls_derive_create
- * gives dL/dq, and the host's own solver dL/df = K^-T (H dL/dq + dL/dx). Redundant joints are not
- * determined. */
+ * nothing, and load f and g. DLS_E_UNSUPPORTED for a flexibility or a host's solver: there
+ * dls_derive_create gives dL/dq, and the host's own solver dL/df = K^-T (H dL/dq + dL/dx).
+ * Redundant joints are DLS_E_NO_DERIVATIVE: their forces are not determined. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create_body(dls_derive **out, dls_reduction *reduction,
                                                        const double *mu, const double *r,
                                                        const double *x, int side, dls_error *error);
