@@ -71,7 +71,8 @@ DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_co
  * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factors
  * nothing, and load f and g. DLS_E_UNSUPPORTED for a flexibility or a host's solver: there
  * dls_derive_create gives dL/dq, and the host's own solver dL/df = K^-T (H dL/dq + dL/dx).
- * Redundant joints are DLS_E_NO_DERIVATIVE: their forces are not determined. */
+ * Redundant joints (model.h) carry no force: derivatives with respect to their loads are 0, and a
+ * change of K is one of all copies of a joint alike. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create_body(dls_derive **out, dls_reduction *reduction,
                                                        const double *mu, const double *r,
                                                        const double *x, int side, dls_error *error);

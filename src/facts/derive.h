@@ -15,6 +15,7 @@ struct dls_derive {
   dlsi_states_matrix *A; /* on W, ... */
   dlsi_general M;        /* ... or on K, (DB1), ... */
   dlsi_reduced body;     /* ... of this body; body.H = NULL on W */
+  int fixed, *redundant; /* multipliers of redundant joints, 0 as in the reduction */
   dls_contact_state *state;
   dlsi_branch *branch; /* nc */
   double *w, *t;       /* 2 nc: weights; t of (DR1), 0 where there is none */

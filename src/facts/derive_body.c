@@ -7,10 +7,11 @@
  *   (DB4)  dL/df = b,   dL/dg = P a,   dL/dK = -b x^T,   dL/dmu_c = r_n t.(g_r + H^T b)_c
  *
  * Where K is regular, eliminating x gives (DR2) and (DR3): b = K^-T (H a + g_x). M is regular, too,
- * where contact alone holds a body. Rows of K x = f + H r that are joints are as all others.
+ * where contact alone holds a body. Rows of K x = f + H r that are joints are as all others;
+ * the multipliers of redundant ones stay 0.
  *
  * Cost: a sparse LU of M, of the size of K and the contacts that touch. What can fail: bodies that
- * nothing holds, redundant joints; a build without MUMPS beyond 8000 unknowns.
+ * nothing holds; a build without MUMPS beyond 8000 unknowns.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,7 @@
 #include "facts/derive.h"
 #include "linear/blas.h"
 #include "linear/equilibrate.h"
+#include "linear/redundant.h"
 
 static int derive_is_symmetric(const dls_model *K) {
   return K->factorization != DLS_LU;
@@ -82,9 +84,9 @@ static void derive_add_contact(const dls_derive *work, int i, int k, double h, d
   }
 }
 
-/* (DB1) t := M. */
-static dls_status derive_assemble(const dls_derive *work, dlsi_triplets *t, dls_error *error) {
-  const dls_model *K = &work->body.K;
+/* (DB1) t := M for this K. */
+static dls_status derive_assemble(const dls_derive *work, const dls_model *K, dlsi_triplets *t,
+                                  dls_error *error) {
   const dlsi_columns *Ht = &work->body.H->Ht;
   const int all = work->n + work->rows;
   const size_t most =
@@ -111,10 +113,13 @@ static dls_status derive_assemble(const dls_derive *work, dlsi_triplets *t, dls_
 /* Factors M and finds its scales. */
 static dls_status derive_factor(dls_derive *work, dls_error *error) {
   const size_t all = (size_t)work->n + (size_t)work->rows;
-  dlsi_triplets t;
+  const dls_sparse Ht = dlsi_columns_view(&work->body.H->Ht);
+  dlsi_triplets t = {0};
   dlsi_columns M = {0};
+  dlsi_apart apart;
   double *scratch = dlsi_alloc(2 * all, sizeof *scratch);
-  dls_status status = derive_assemble(work, &t, error);
+  dls_status status = dlsi_apart_create(&apart, &work->body.K, &Ht, error);
+  if (!status) status = derive_assemble(work, &apart.model, &t, error);
   if (!status)
     status = scratch ? dlsi_columns_compress(&t, 1, DLSI_ALL, &M, error) : dlsi_no_memory(error);
   if (!status) {
@@ -122,6 +127,10 @@ static dls_status derive_factor(dls_derive *work, dls_error *error) {
     dlsi_find_scales(&view, 0, work->row, work->col, scratch);
     status = dlsi_general_factor(&work->M, &t, error);
   }
+  work->fixed = apart.count;
+  work->redundant = apart.redundant;
+  apart.redundant = NULL;
+  dlsi_apart_free(&apart);
   dlsi_triplets_free(&t);
   dlsi_columns_free(&M);
   free(scratch);

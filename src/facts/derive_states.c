@@ -47,6 +47,7 @@ void dls_derive_destroy(dls_derive *derive) {
   dlsi_states_destroy(derive->A);
   dlsi_general_free(&derive->M);
   dlsi_formed_free(&derive->formed);
+  free(derive->redundant);
   free(derive);
 }
 
@@ -96,6 +97,8 @@ dls_status dlsi_derive_choose(dls_derive *work, int side, double residual, dls_e
 /* ---- the system ------------------------------------------------------------------------------ */
 
 dls_status dlsi_derive_solve(dls_derive *work, int transposed, dls_error *error) {
+  for (int k = 0; k < work->fixed; k++)
+    work->z[work->redundant[k]] = 0;
   if (!work->A) return dlsi_general_solve(&work->M, transposed, work->z, error);
   return work->rows ? dlsi_states_solve(work->A, transposed, work->z, error) : DLS_OK;
 }

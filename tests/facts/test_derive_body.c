@@ -240,15 +240,25 @@ END_TEST
 
 enum { small_n = 14, small_nodes = 4, small_joints = 2 };
 
+/* Makes the last two joints the ones before, in f and in the lower triangle of K. */
+static void alike(double *f, double *K) {
+  for (int k = small_n - small_joints; k < small_n; k++) {
+    f[k] = f[k - small_joints];
+    for (int j = 0; j < small_n - 2 * small_joints; j++)
+      K[k + small_n * j] = K[k - small_joints + small_n * j];
+  }
+}
+
 /* Dense random bodies, 2D and 3D: with joints or unsymmetric (_i & 2), weighted (4), with a contact
- * without tangents and one left out (8). */
+ * without tangents and one left out (8), all joints given twice (16). */
 START_TEST(random_bodies) {
   double K[small_n * small_n] = {0}, N[small_n * small_nodes], T[2 * small_n * small_nodes];
   double f[small_n], g[3 * small_nodes], W[small_n * small_n], A[small_n * small_n];
   int p[2 * small_nodes + 1], row[2 * small_n * small_nodes];
   const double weight[] = {0.75, 0.25, 0.125, 0.75, 0.125, 0.25, 0.75}, mus[] = {0.4, 0, 0.7, 0.3};
   const int at[] = {0, 2, 5, 7}, node[] = {0, 1, 0, 1, 2, 2, 3}, active[] = {1, 1, 0, 1};
-  const int d = 2 + (_i & 1), joints = _i & 2 ? 0 : small_joints, own = small_n - joints;
+  const int d = 2 + (_i & 1), twice = _i / 16;
+  const int joints = _i & 2 ? 0 : small_joints * (1 + twice), own = small_n - joints;
   set_seed((uint64_t)_i + 7);
   for (int k = 0; k < own * own; k++)
     A[k] = uniform();
@@ -286,9 +296,11 @@ START_TEST(random_bodies) {
     body.mu = mu;
     few[2] = mu[3];
   }
+  if (twice) alike(f, K);
   moved_body v;
   dls_error why;
   move_body(&v, &body, DLS_ON_W, f, g, few);
+  if (twice) alike(v.df, v.dK);
   const double worst = judge_body(&v, &why);
   ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
   body_free(&v);
@@ -423,5 +435,6 @@ END_TEST
 
 int main(void) {
   return RUN("derive body", NULL, NULL, EACH(block_of_jean, 0, 16), EACH(free_blocks, 0, 4),
-             EACH(random_bodies, 0, 16), EACH(material, 0, 2), ONCE(bad_bodies));
+             EACH(random_bodies, 0, 18), EACH(random_bodies, 20, 22), EACH(material, 0, 2),
+             ONCE(bad_bodies));
 }
