@@ -1,6 +1,6 @@
 /*
  * auto_total.c: what auto takes on generated problems, together: the measure of a constant is the
- * difference that another value makes.
+ * difference that another value makes (src/auto/constants.h).
  *
  * Problems: every kind of regret_kinds.h with about 24, 70, 220 and 500 contacts, friction .1, .5,
  * 1.5, to 1e-6 and 1e-8 in turn; at most 3000 iterations. Costs by dlsi_auto_price_of (all unknowns

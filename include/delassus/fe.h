@@ -47,6 +47,14 @@ DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh);
 DLS_API DLS_MUST_USE dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu,
                                                  double *K, int ldk, dls_error *error);
 
+/* Computes *of_E = dL/dE and *of_nu = dL/dnu of a loss L through the stiffness alone, from f =
+ * dL/df of dls_derive_vjp: -f^T (dK/dE) x, -f^T (dK/dnu) x. f, displacement: 2 nodes, with zeros at
+ * the supports. Statuses of dls_fe_stiffness. Allocates nothing. */
+DLS_API DLS_MUST_USE dls_status dls_fe_material_gradient(const dls_fe_mesh *mesh, double E,
+                                                         double nu, const double *f,
+                                                         const double *displacement, double *of_E,
+                                                         double *of_nu, dls_error *error);
+
 /* A sparse matrix that owns its arrays: A has both triangles, rows of a column increasing, each
  * place once. Start from {0}; release with dls_fe_matrix_free, which zeroes the struct. */
 typedef struct dls_fe_matrix {

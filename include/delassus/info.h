@@ -82,8 +82,9 @@ typedef struct dls_stage {
 /* The kind of a problem, from which auto takes its plan. */
 typedef enum dls_regime {
   DLS_REGIME_NONE = 0,    /* another method; or auto needed no plan */
-  DLS_REGIME_ELASTIC = 1, /* W dense, or by blocks with at least 25 % of all blocks */
-  DLS_REGIME_FEW = 2,     /* W by blocks, up to 100 contacts; the plan is that of elastic */
+  DLS_REGIME_ELASTIC = 1, /* W dense, or by blocks with at least 25 % of all blocks (up to 100
+                             contacts: all blocks) */
+  DLS_REGIME_FEW = 2,     /* W by fewer blocks, up to 100 contacts */
   DLS_REGIME_PACKING = 3, /* W by blocks, more than 100 contacts */
   DLS_REGIME_TIGHT = 4,   /* a packing of more than 1000 contacts or with many neighbours: momentum
                              from the first sweep */
