@@ -6,7 +6,9 @@
  *   (NL6)  f = D (r - x), D = diag(w_c) 2^k, 2^k |q| about 1;  x := r - DG gamma, u := u - DU gamma
  *          by Anderson, then each x_c := P_Cmu(x_c) with u by columns
  *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g,
- *          its u afresh, history forgotten; the plain sweep that follows is always taken
+ *          its u afresh, history forgotten; the plain sweep that follows is always taken. Such
+ *          returns can repeat without end. From return 100 since the residual of g last halved on,
+ *          one plain sweep more follows each return than followed the one before
  *
  * With momentum (momentum.c), p being the last step; W by blocks or of bodies also (NL9):
  *
@@ -41,6 +43,7 @@
  * (Anderson, 1e-8) a growth of 2 takes 19335 sweeps where 1.1 takes 11758. */
 static const double nlgs_growth = 1.1;
 
+enum { most_returns = 100 };                                    /* (NL7) */
 enum { local_every = 10, local_first = 50 };                    /* (NL9), in sweeps */
 enum { slow_first = 300, slow_turns = 800, last_patience = 3 }; /* (NL10) */
 static const double slow_momentum = 0.5;                        /* (NL10) */
@@ -58,6 +61,18 @@ static double nlgs_power_of_two(double x) {
   return ldexp(1, e);
 }
 
+/* (NL7) Returns to the g of the sweep before, whose residual is `accepted`. */
+static void nlgs_take_back(dls_nlgs *work, const dls_contact *problem, double accepted, double *r) {
+  dlsi_nlgs_return(work, problem, work->history.g, r);
+  dlsi_anderson_clear(&work->history);
+  if (accepted <= 0.5 * work->residual_then) {
+    work->residual_then = accepted;
+    work->returns = 0;
+  }
+  work->returns++;
+  work->plain = work->returns > most_returns ? work->returns - most_returns : 0;
+}
+
 /* (NL6) r := the start of the next sweep. r = g(x) has the estimated residual `residual`, the g of
  * the sweep before had *accepted; scale = 1 / |q|. */
 void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double residual, double scale,
@@ -65,8 +80,10 @@ void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double res
   dlsi_anderson *history = &work->history;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   if (history->columns && !(residual <= nlgs_growth * *accepted)) { /* (NL7) */
-    dlsi_nlgs_return(work, problem, history->g, r);
-    dlsi_anderson_clear(history);
+    nlgs_take_back(work, problem, *accepted, r);
+  } else if (work->plain > 0) {
+    *accepted = residual;
+    work->plain--;
   } else {
     *accepted = residual;
     const double unit = nlgs_power_of_two(scale);
@@ -159,6 +176,8 @@ static void nlgs_start_way(dls_nlgs *work, const dls_contact *problem, const dou
     return;
   }
   dlsi_anderson_clear(&work->history);
+  work->residual_then = INFINITY;
+  work->returns = work->plain = 0;
   memcpy(work->x, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
 }
 

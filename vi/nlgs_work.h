@@ -40,6 +40,8 @@ struct dls_nlgs {
   dlsi_team *team;          /* that help in this run; NULL: none */
   double *x;                /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
+  double residual_then; /* (NL7): when the returns were last counted from 0 ... */
+  int returns, plain;   /* ... returns since; plain sweeps to come */
   dlsi_momentum momentum;
   int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
   int *some, *rows; /* of momentum: nc, the sets of (NL9) */

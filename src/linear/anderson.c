@@ -14,6 +14,10 @@
  * to `dependent` of its length gets gamma = 0. DF^T f_k is that of the step before and the new row,
  * f_k being f_k-1 + df: one pass over DF does for both.
  *
+ *   (AN4)  Where |gamma|_1 > 1e4: gamma := 1e4 gamma / |gamma|_1 if the caller asks for it, else
+ *          x := g_k without a history. Slow sweeps need (AN4): their f hardly changes from one to
+ *          the next, and gamma is about 1 / (1 - rate)
+ *
  * Source: Anderson 1965; Walker and Ni, SIAM J. Numer. Anal. 49 (2011), type II. With window = 1 it
  * is Aitken's process for vectors in the form of Irons and Tuck 1969. Deviation: Walker and Ni
  * update a QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of
@@ -24,14 +28,15 @@
  */
 #include "linear/anderson.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 /* the Gram matrix knows a sine of less than sqrt(eps) as nothing but rounding */
 static const double dependent = 1e-5;
 
-/* (AN3) multiplies the rounding of u by up to 1 + 2 |gamma|_1, which no later step takes back:
- * where that is larger, the history is forgotten. Problems that converge need 1 to 1000. */
+/* (AN3) multiplies the rounding of u by up to 1 + 2 |gamma|_1, which no later step takes back.
+ * Beyond this bound gamma is shortened to it (a->shortens), or the history is forgotten. */
 static const double largest = 1e4;
 
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u) {
@@ -94,7 +99,7 @@ static void anderson_new_row(dlsi_anderson *a, size_t m, double *row, double *b)
   a->gram[(k + 1) * at] = scale;
 }
 
-/* (AN2) Returns 0 if gamma is too large, or not finite. */
+/* (AN2) Returns 0 if gamma is not finite, or too large and not to be shortened. */
 static int anderson_minimise(dlsi_anderson *a, size_t m, double *gamma) {
   const int n = a->columns, k = a->window;
   double *L = a->L, *y = a->work + k, *b = a->work + 2 * (size_t)k;
@@ -129,7 +134,10 @@ static int anderson_minimise(dlsi_anderson *a, size_t m, double *gamma) {
     gamma[at] = y[i] * a->gram[at + k * at];
     sum += fabs(gamma[at]);
   }
-  return sum <= largest;
+  if (!a->shortens || !(sum > largest && sum <= DBL_MAX)) return sum <= largest;
+  for (int i = 0; i < n; i++)
+    gamma[i] *= largest / sum;
+  return 1;
 }
 
 int dlsi_anderson_step(dlsi_anderson *a, int rows, const double *f, double *g, double *u) {

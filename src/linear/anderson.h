@@ -7,6 +7,7 @@
 /* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
 typedef struct dlsi_anderson {
   int window;
+  int shortens;         /* 1: gamma that is too large is shortened, (AN4); set by the owner */
   int started;          /* 1: f, g, u are there */
   int columns, newest;  /* columns of DF, DG, DU, in a ring */
   size_t of_u;          /* numbers in u; 0 without */

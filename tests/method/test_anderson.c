@@ -77,6 +77,24 @@ START_TEST(forgets_what_is_too_large) {
 }
 END_TEST
 
+/* gamma = -10001 is shortened to -10^4, and the history goes on; what is not finite is
+ * forgotten. */
+START_TEST(shortens_what_is_too_large) {
+  history h;
+  history_make(&h, 1, 2, 1);
+  h.a.shortens = 1;
+  double f = -10002, g = 1, u = 3;
+  ck_assert_int_eq(dlsi_anderson_step(&h.a, 1, &f, &g, &u), 0);
+  f = -10001, g = 2, u = 5;
+  ck_assert_int_eq(dlsi_anderson_step(&h.a, 1, &f, &g, &u), 1);
+  ck_assert(g == 10002 && u == 20005 && h.a.columns == 1);
+  g = 2, u = 5; /* df = 0 */
+  ck_assert_int_eq(dlsi_anderson_step(&h.a, 1, &f, &g, &u), 0);
+  ck_assert(g == 2 && u == 5 && h.a.columns == 0);
+  history_free(&h);
+}
+END_TEST
+
 /* Solves min |f - DF gamma|_2 for the n newest of the differences, DF (most_m apart), in long
  * double by normal equations and Gauss' elimination; x -= DX gamma. */
 static void combine_directly(int m, int n, double *const DF[], const double *f, double *const DX[],
@@ -174,5 +192,6 @@ END_TEST
 
 int main(void) {
   return RUN("anderson", NULL, NULL, ONCE(a_line_ends_at_once), ONCE(forgets_what_is_too_large),
-             ONCE(is_least_squares), ONCE(a_dependent_column_is_left_out));
+             ONCE(shortens_what_is_too_large), ONCE(is_least_squares),
+             ONCE(a_dependent_column_is_left_out));
 }
