@@ -24,9 +24,8 @@ static void history_add(history *h, const dls_progress *p) {
 static int history_note(void *data, const dls_progress *p) {
   history *h = data;
   const int fresh = !h->stages || strcmp(h->stage[h->stages - 1], p->stage) != 0;
-  if (p->last) { /* counts the iterations of all stages, with the final residual */
-    h->before = 0;
-    h->last = p->iteration;
+  if (p->last) { /* of all stages; fewer than the rows, which count sweeps inside of stages, too */
+    if (p->iteration > h->before + h->last) h->last = p->iteration - h->before;
     history_add(h, p);
     return 0;
   }

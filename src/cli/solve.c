@@ -65,15 +65,18 @@ typedef struct history {
   int before, iteration; /* of the stages that are over, of this one */
 } history;
 
-/* Writes a row: the progress callback of --history. */
+/* Writes a row: the progress callback of --history. The last row never counts fewer iterations than
+ * the row before it: rows also count the sweeps that Newton's method takes before its first step,
+ * which info.iterations leaves out. */
 static int write_row(void *data, const dls_progress *p) {
   history *h = data;
-  if (p->iteration < h->iteration || strcmp(p->stage, h->stage) != 0) {
+  if (!p->last && (p->iteration < h->iteration || strcmp(p->stage, h->stage) != 0)) {
     h->before += h->iteration;
     h->stage = p->stage;
   }
-  h->iteration = p->iteration;
-  (void)fprintf(h->file, "%d,%.9f,", p->last ? p->iteration : h->before + h->iteration,
+  if (!p->last) h->iteration = p->iteration;
+  const int shown = h->before + h->iteration;
+  (void)fprintf(h->file, "%d,%.9f,", p->last && p->iteration > shown ? p->iteration : shown,
                 p->cpu_seconds);
   if (p->residual >= 0) (void)fprintf(h->file, "%.17g", p->residual);
   (void)fprintf(h->file, ",%s\n", p->stage);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "delassus.h"
+#include "failures.h"
 #include "program.h"
 #include "run.h"
 
@@ -161,6 +162,46 @@ START_TEST(history_of_a_solve) {
               (k == 3 || iteration == json_number("iterations")));
   }
   ck_assert_int_eq(run("solve Makefile --history no/such/h.csv"), 2);
+}
+END_TEST
+
+/* The iterations of --history never run back, from the first row to the last. */
+static void expect_rising(const char *file) {
+  static char text[2000000];
+  char arguments[300];
+  (void)snprintf(arguments, sizeof arguments, "solve " TEST_DATA "/%s --history %s", file,
+                 path_of("h.csv"));
+  ck_assert_int_le(run(arguments), 1);
+  int before = 0;
+  for (char *row = strchr(read_text("h.csv", text, sizeof text), '\n'); row && row[1];
+       row = strchr(row + 1, '\n')) {
+    const int iteration = (int)strtol(row + 1, NULL, 10);
+    ck_assert_msg(iteration >= before, "%s: %d, then %d", file, before, iteration);
+    before = iteration;
+  }
+}
+
+START_TEST(histories_never_run_back) {
+  static char names[200][64];
+  static const char *const fclib[] = {"Confeti-ex13-4contact-Fc3D-SBM",
+                                      "CubeH8",
+                                      "FC2D_SliderCrankLagrangian00000",
+                                      "FC3D_Example1",
+                                      "GFC3D_Example0",
+                                      "GFC3D_OneContact",
+                                      "gfc2d_granularflowonwall_00069_00350"};
+  const int count = failures_list(TEST_DATA "/failures", names, 200);
+  char file[100];
+  ck_assert_int_gt(count, 0);
+  for (int k = 0; k < count; k++) {
+    if (names[k][0] != 'c') continue; /* the others are LCPs */
+    (void)snprintf(file, sizeof file, "failures/%.63s.txt", names[k]);
+    expect_rising(file);
+  }
+  for (size_t k = 0; k < sizeof fclib / sizeof fclib[0]; k++) {
+    (void)snprintf(file, sizeof file, "fclib/%s.hdf5", fclib[k]);
+    if (WITH_HDF5) expect_rising(file);
+  }
 }
 END_TEST
 
@@ -800,17 +841,17 @@ START_TEST(info_names_degenerate_contacts) {
 END_TEST
 
 int main(void) {
-  return RUN("cli", make_directory, remove_directory, ONCE(help_and_version), ONCE(bad_usage_is_2),
-             ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(names_the_unsettled),
-             ONCE(no_solution_likely_is_1), ONCE(proofs_are_printed), ONCE(scene_writes_its_files),
-             ONCE(scene_on_the_displacements), ONCE(equivalents_of_concentrated_reactions),
-             ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
-             ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
-             ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
-             ONCE(files_carry_their_status), ONCE(empty_names_are_2),
-             ONCE(a_full_disk_keeps_old_files), ONCE(a_folder_has_one_owner),
-             EACH(signals_end_a_solve, 0, 4), ONCE(threads_have_limits), ONCE(lcp_files),
-             ONCE(text_problems), ONCE(plans_and_explanations), ONCE(proofs),
-             ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
-             ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
+  return RUN(
+      "cli", make_directory, remove_directory, ONCE(help_and_version), ONCE(bad_usage_is_2),
+      ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(names_the_unsettled),
+      ONCE(no_solution_likely_is_1), ONCE(proofs_are_printed), ONCE(scene_writes_its_files),
+      ONCE(scene_on_the_displacements), ONCE(equivalents_of_concentrated_reactions),
+      ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
+      ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
+      ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
+      ONCE(files_carry_their_status), ONCE(empty_names_are_2), ONCE(a_full_disk_keeps_old_files),
+      ONCE(a_folder_has_one_owner), EACH(signals_end_a_solve, 0, 4), ONCE(threads_have_limits),
+      ONCE(lcp_files), ONCE(text_problems), ONCE(plans_and_explanations), ONCE(proofs),
+      ONCE(history_of_a_solve), ONCE(histories_never_run_back), ONCE(info_lists_all_solutions),
+      ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }
