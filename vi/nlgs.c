@@ -68,7 +68,7 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
   work->x = dlsi_take(arena, m, sizeof *work->x);
   dlsi_anderson_carve(&work->history, arena, m,
                       s->acceleration == DLS_ACCELERATION_AITKEN ? 1 : s->window, m);
-  work->history.shortens = 1;
+  work->history.shortens = !work->stage; /* a stage of auto ends instead */
   work->carved[2] = work->history.u;
   work->carved[3] = work->history.DU;
 }

@@ -8,7 +8,8 @@
  *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g,
  *          its u afresh, history forgotten; the plain sweep that follows is always taken. Such
  *          returns can repeat without end. From return 100 since the residual of g last halved on,
- *          one plain sweep more follows each return than followed the one before
+ *          one plain sweep more follows each return than followed the one before. A stage of auto
+ *          goes without these, and without (AN4): Newton's method is next there
  *
  * With momentum (momentum.c), p being the last step; W by blocks or of bodies also (NL9):
  *
@@ -70,7 +71,7 @@ static void nlgs_take_back(dls_nlgs *work, const dls_contact *problem, double ac
     work->returns = 0;
   }
   work->returns++;
-  work->plain = work->returns > most_returns ? work->returns - most_returns : 0;
+  if (work->returns > most_returns && !work->stage) work->plain = work->returns - most_returns;
 }
 
 /* (NL6) r := the start of the next sweep. r = g(x) has the estimated residual `residual`, the g of
