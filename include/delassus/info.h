@@ -106,6 +106,14 @@ typedef enum dls_uniqueness {
   DLS_UNIQUE_NO = 2   /* a second certified answer was found */
 } dls_uniqueness;
 
+/* Which of the reactions of the same positions u, where W does not determine them (trust.h,
+ * dls_contact_freedom). */
+typedef enum dls_forces {
+  DLS_FORCES_ANY = 0,  /* as the method finds them: they depend on the order of the contacts */
+  DLS_FORCES_LEAST = 1 /* those with the least sum of w_c |r_c|^2, w_c = trace(W_cc) / d: there is
+                          one such r, and it is as symmetric as the problem */
+} dls_forces;
+
 /* The outcome of a solve. */
 typedef struct dls_info {
   dls_status status; /* as returned */
@@ -128,6 +136,7 @@ typedef struct dls_info {
   int blocks;        /* auto: of W; 0: W is dense; -1: W of bodies, not formed as the solve began */
   int left_out;      /* auto: so many candidates provably cannot touch, and the stages are without
                         them; 0 where the whole was solved */
+  dls_forces forces; /* DLS_FORCES_LEAST: r is known to be the least one; only where asked for */
 } dls_info;
 
 #ifdef __cplusplus

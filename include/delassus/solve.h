@@ -21,6 +21,10 @@ typedef struct dls_solver_settings {
   dls_acceleration acceleration; /* nlgs; DLS_ACCELERATION_NONE */
   int positive_definite; /* 1: W is known to be symmetric positive definite: newton, alone and in
                             auto, leaves its regularisation out; 0 */
+  dls_forces forces;     /* DLS_FORCES_LEAST: a solved r is replaced by the least reactions of its
+                        positions, where W is symmetric and mu finite (src/facts/least.c); it takes
+                        as much memory as newton, and some of its steps (bench/results/least.md).
+                        info.forces says whether it was; DLS_FORCES_ANY */
   /* auto, to see what its steps are worth; NULL: all as auto thinks best; NULL. Read by create.
    *
    * plan, "sweeps:30,newton,homotopy": these steps in turn, in the place of auto's own. ":30" lets
