@@ -7,8 +7,8 @@
  *                                           the ray (1, -mu u_t / |u_t|)   where u_t is not 0
  *                                           the friction cone              where u = 0
  *
- * in which one r has the least |r|, |r|^2 = sum of w_c |r_c|^2: the reactions of equal springs at
- * the contacts of rigid bodies. P is the projection on all K_c, D = diag(w_c), s the force that the
+ * in which one r has the least |r|, |r|^2 = sum of w_c |r_c|^2: the reactions of rigid bodies on
+ * springs of compliance w_c. P is the projection on all K_c, D = diag(w_c), s the force that the
  * springs would have without the laws, y = 0 at first. The proximal method of multipliers:
  *
  *   (LS2)  r = P(s),  s = y - D^-1 W (r - r*) / eps              then y := s, until W r = W r*
