@@ -41,7 +41,7 @@
 #include "facts/facts.h"
 #include "vi/states_matrix.h"
 
-enum { outer_steps = 10, newton_steps = 40, most_halvings = 10, refinements = 4 };
+enum { outer_steps = 10, newton_steps = 100, most_halvings = 30, refinements = 4 };
 static const double eps = 1e-6;        /* of (LS2): its rounding is DBL_EPSILON / eps */
 static const double inner = 1e-9;      /* |g| over |r*| */
 static const double outer = 1e-7;      /* |W (r - r*)| over |W r*|, before (LS5) */
