@@ -472,6 +472,17 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
 
+/* ---- sensitivity.c --------------------------------------------------------------------------- */
+
+/* Rows of the largest problem for the map of info --sensitivity. */
+enum { most_rows_of_map = 600 };
+
+/* Writes which gaps and loads, and how much friction, each reaction of the answer r depends on:
+ * sensitivity.csv, friction.csv and the picture sensitivity.png, .svg in the directory, and, text =
+ * 1, a table on stdout. EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
+int show_sensitivity(const char *name, const dls_contact *contact, const double *r,
+                     const char *directory, int text);
+
 /* ---- history_picture.c ----------------------------------------------------------------------- */
 
 /* Draws history.csv of the directory (solve --plot); returns 1, or 0 after a complaint. */
