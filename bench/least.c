@@ -3,7 +3,7 @@
  * Writes least.md.
  *
  * Sets: tables of 4 to 32 legs and arches of 6 to 60 voussoirs at rest, walls (solvers_scenes.c),
- * FCLIB files of a directory; of these, problems whose reactions are not determined, up to 600 rows.
+ * FCLIB files of a directory; of these, problems of up to 600 rows whose reactions are free.
  * Cost: CPU seconds of dls_solve by auto with DLS_FORCES_LEAST over those without, less 1, each the
  * least of 5 calls. Orders: |r - r'| / |r| of the contacts as they are and reversed.
  */
@@ -46,7 +46,7 @@ static void reverse(int d, int nc, const double *x, double *y) {
     memcpy(y + d * c, x + d * (nc - 1 - c), (size_t)d * sizeof *x);
 }
 
-static double distance(int m, const double *r, const double *x) {
+static double off_by(int m, const double *r, const double *x) {
   double off = 0, size = 0;
   for (int i = 0; i < m; i++) {
     off = hypot(off, r[i] - x[i]);
@@ -84,11 +84,11 @@ static void least_scene(void *data, const scene *s) {
     reverse(1, nc, p->mu, mu);
     if (measure_solve(&turned, DLS_FORCES_ANY, y, &info) > 0) {
       reverse(d, nc, y, z);
-      set->any = fmax(set->any, distance(m, r, z));
+      set->any = fmax(set->any, off_by(m, r, z));
     }
     if (measure_solve(&turned, DLS_FORCES_LEAST, y, &info) > 0) {
       reverse(d, nc, y, z);
-      set->by_least = fmax(set->by_least, distance(m, x, z));
+      set->by_least = fmax(set->by_least, off_by(m, x, z));
     }
   }
   free(r);

@@ -8,7 +8,7 @@
  * optimistic one.
  *
  * Besides, 11,000 random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, up
- * to 60 rows, even seeds: sweeps or ADMM at 1e-4 to 1e-8 beside an r* that dls_contact_prove proves.
+ * to 60 rows, even seeds: sweeps or ADMM at 1e-4 to 1e-8 beside an r* that is proved.
  */
 #include <dirent.h>
 #include <math.h>

@@ -157,8 +157,8 @@ static dls_status chart_prove(chart *c, dls_error *error) {
   return DLS_OK;
 }
 
-/* Measures the errors of all from the nearest answer: a method may go to different ones at different
- * tolerances. The error of a reference that is not proved is not known; its agreement takes its
+/* Measures the errors of all from the nearest answer: a method may go to another one at another
+ * tolerance. The error of a reference that is not proved is not known; its agreement takes its
  * place (fmax leaves NaN out). */
 static void chart_errors(chart *c) {
   const race *a = &c->race;

@@ -472,6 +472,9 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
 
+/* Copies a name without directories and ending (named.c). */
+void shorten(const char *name, char *text, size_t size);
+
 /* ---- sensitivity.c --------------------------------------------------------------------------- */
 
 /* Rows of the largest problem for the map of info --sensitivity. */

@@ -179,8 +179,9 @@ static int draw_sensitivity(const influence *of, const char *name, const char *d
   if (!s) return EXIT_BAD_INPUT;
   fputs("set datafile separator ','\nset datafile missing 'nan'\n", s);
   begin_pictures(s, "sensitivity", 1150, 1600);
-  char title[QUOTED_ROOM];
-  (void)snprintf(title, sizeof title, "%s: w_c |d r_c / d q_k|, and what friction does", name);
+  char title[200], file[100];
+  shorten(name, file, sizeof file);
+  (void)snprintf(title, sizeof title, "%s: w_c |d r_c / d q_k|, and what friction does", file);
   fprintf(s, "  set multiplot title %s noenhanced\n  set datafile separator whitespace\n",
           quote(AS_GNUPLOT, title).text);
   draw_maps(s, of, least, most);

@@ -13,7 +13,7 @@
 #include "run.h"
 
 /* r := the answer to rounding. Returns 0 where it is not proved. */
-static int answer(const dls_contact *p, double *r) {
+static int prove_answer(const dls_contact *p, double *r) {
   dls_proof proof;
   if (dls_solve(p, NULL, r, NULL, NULL, NULL)) return 0;
   ck_assert_int_eq(dls_contact_prove(p, r, &proof, r, NULL), DLS_OK);
@@ -27,7 +27,7 @@ START_TEST(beside_differences) {
   numbered_model(&a, _i);
   const int d = a.p.d, m = d * a.p.nc;
   copy_model(&b, &a);
-  ck_assert(answer(&a.p, r));
+  ck_assert(prove_answer(&a.p, r));
   ck_assert_int_eq(dlsi_contact_influence(&a.p, r, w, dq, dmu, NULL), DLS_OK);
   for (int c = 0; c < a.p.nc; c++) {
     double mean = 0;
@@ -47,7 +47,7 @@ START_TEST(beside_differences) {
         if (j < m) b.q[j] += side * h;
         for (int c = 0; j == m && c < a.p.nc; c++)
           if (a.mu[c] > 0) b.mu[c] += side * h;
-        proved = answer(&b.p, side < 0 ? low : high);
+        proved = prove_answer(&b.p, side < 0 ? low : high);
       }
       for (int i = 0; i < m && proved; i++) {
         worst = fmax(worst, fabs((high[i] - low[i]) / (2 * h) - slope[i]));

@@ -157,8 +157,8 @@ static void wall(scene *s, int rows) {
     }
 }
 
-static dls_status solve(const dls_contact *p, dls_method method, dls_forces forces, double *r,
-                        dls_info *info) {
+static dls_status solve_for(const dls_contact *p, dls_method method, dls_forces forces, double *r,
+                            dls_info *info) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.method = method;
@@ -189,7 +189,7 @@ START_TEST(legs_by_hand) {
   int freedom;
   table(&s, legs[_i], 0, e, e);
   form(&s, NULL);
-  ck_assert_int_eq(solve(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
+  ck_assert_int_eq(solve_for(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
   ck_assert_double_le(info.certificate.residual, 1e-12);
   for (int c = 0; c < legs[_i]; c++) {
@@ -210,7 +210,7 @@ START_TEST(a_leg_without_load) {
   dls_info info;
   table(&s, 4, 0, 0.7, 0.7);
   form(&s, NULL);
-  ck_assert_int_eq(solve(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
+  ck_assert_int_eq(solve_for(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
   for (int c = 0; c < 4; c++) {
     const double x = s.point[c][0], y = s.point[c][1];
@@ -244,9 +244,9 @@ START_TEST(a_grip) {
 }
 END_TEST
 
-/* A block that slides on three feet at x = -1, 0, 1, its centre 1/2 above: r_t = -mu r_n, the moment
- * of friction mu / 2 = sum x r_n. w = (2 + x^2 + 1/4) / 2, and the least r has w r_n = a + b x: r_n =
- * a / w + x mu / 4, a = 1 / sum 1 / w. */
+/* A block slides on three feet at x = -1, 0, 1, its centre 1/2 above: r_t = -mu r_n, the moment of
+ * friction mu / 2 = sum x r_n. w = (2 + x^2 + 1/4) / 2, and the least r has w r_n = a + b x, which
+ * is r_n = a / w + x mu / 4, a = 1 / sum 1 / w. */
 START_TEST(sliding_feet) {
   static scene s;
   double r[6], u[6];
@@ -312,9 +312,9 @@ START_TEST(methods_and_orders) {
   const int d = s[0].d, m = d * s[0].nc;
   for (int k = 0; k < 10; k++) {
     const dls_contact *p = &s[k % 2].p_;
-    if (solve(p, method[k / 2], DLS_FORCES_ANY, any, &info)) continue; /* the arch is hard */
+    if (solve_for(p, method[k / 2], DLS_FORCES_ANY, any, &info)) continue; /* the arch is hard */
     ck_assert_int_eq(info.forces, DLS_FORCES_ANY);
-    ck_assert_int_eq(solve(p, method[k / 2], DLS_FORCES_LEAST, x, &info), DLS_OK);
+    ck_assert_int_eq(solve_for(p, method[k / 2], DLS_FORCES_LEAST, x, &info), DLS_OK);
     ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
     ck_assert(dls_certificate_holds(&info.certificate, 1e-8));
     double least = 0, other = 0;
@@ -355,7 +355,7 @@ START_TEST(storages) {
   p[2].bodies = (dls_bodies){motions(&s), s.count, s.body, s.H, NULL};
   for (int k = 0; k < 3; k++) {
     int freedom[2];
-    ck_assert_int_eq(solve(&p[k], DLS_AUTO, DLS_FORCES_LEAST, r[k], &info), DLS_OK);
+    ck_assert_int_eq(solve_for(&p[k], DLS_AUTO, DLS_FORCES_LEAST, r[k], &info), DLS_OK);
     ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
     ck_assert_double_le(apart(m, r[k], r[0]), 1e-6);
     ck_assert_int_eq(dls_contact_freedom(&p[k], r[0], &freedom[0], NULL), DLS_OK);
@@ -403,12 +403,12 @@ START_TEST(left_as_it_is) {
   table(&s, 4, 0, 0, 0);
   form(&s, NULL);
   s.W[1] += 1e-6; /* W is not symmetric */
-  ck_assert_int_eq(solve(&s.p_, DLS_AUTO, DLS_FORCES_ANY, any, &info), DLS_OK);
-  ck_assert_int_eq(solve(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
+  ck_assert_int_eq(solve_for(&s.p_, DLS_AUTO, DLS_FORCES_ANY, any, &info), DLS_OK);
+  ck_assert_int_eq(solve_for(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_ANY);
   form(&s, NULL);
   s.mu[1] = INFINITY;
-  ck_assert_int_eq(solve(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
+  ck_assert_int_eq(solve_for(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_ANY);
 }
 END_TEST

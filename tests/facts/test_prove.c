@@ -381,11 +381,10 @@ START_TEST(four_legs) {
 }
 END_TEST
 
-/* One contact, W = diag(1, 1, 1/100), mu = 1, q = (-1, -1.05, 0): it slips with r = (1, 1, 0). Where
- * r_t is turned by psi, the law across it is sin(psi) (1.05 - 0.99 cos(psi)) / cos(psi'), psi' from
- * where the steps began. Its slope is 0.06 at the answer, three times that at psi = 0.3: steps by
- * the slope of their start stop far from it, and a proof has to know by how much slopes change in
- * its box ((PR4), term B). */
+/* One contact, W = diag(1, 1, 1/100), mu = 1, q = (-1, -1.05, 0): slips with r = (1, 1, 0). Where
+ * r_t is turned by psi, the law across it is sin(psi) (1.05 - 0.99 cos(psi)) over a cosine. Its
+ * slope is 0.06 at the answer, three times that at psi = 0.3: steps by the slope of their start
+ * stop far from it, and a proof has to know by how much slopes change in its box ((PR4), B). */
 START_TEST(turned_slip) {
   static model a;
   static const double answer[3] = {1, 1, 0};
