@@ -185,9 +185,13 @@ int main(int argc, char **argv) {
               "orders, least |\n|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < sets; k++) {
     least_set *s = &set[k];
+    if (!s->problems) {
+      bench_print(page, "| %s | 0 | | | | | |\n", s->name);
+      continue;
+    }
     const double median = bench_median((size_t)s->count, s->cost);
     bench_print(page, "| %s | %d | %d | %.2f | %.2f | %.0e | %.0e |\n", s->name, s->problems,
-                s->least, median, s->count ? s->cost[s->count - 1] : NAN, s->any, s->by_least);
+                s->least, median, s->cost[s->count - 1], s->any, s->by_least);
   }
   return fclose(page) != 0;
 }

@@ -53,6 +53,13 @@ double dlsi_branch_row(const dlsi_branch *b, int i, const double *v) {
   return b->t[0] * v[2] - b->t[1] * v[1];
 }
 
+void dlsi_branch_block(int d, const double *x, size_t ld, const double *e, double *v) {
+  v[0] = v[1] = v[2] = 0;
+  for (int i = 0; i < d; i++)
+    v[i] = x[i] * e[0] + (d > 1 ? x[(size_t)i + ld] * e[1] : 0) +
+           (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
+}
+
 int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b) {
   return a->state == b->state && a->symmetric == b->symmetric && a->count == b->count &&
          a->mu == b->mu && a->t[0] == b->t[0] && a->t[1] == b->t[1] &&
@@ -142,14 +149,6 @@ static double states_diagonal(const dlsi_branch *b, const double *shift, int c, 
   return (shift ? shift[c] * RE : 0) + (b[c].state == DLS_SLIP && j == 1 ? b[c].l : 0);
 }
 
-/* v (3) := a block x of W times e. */
-static void states_multiply_block(int d, const double *x, size_t ld, const double *e, double *v) {
-  v[0] = v[1] = v[2] = 0;
-  for (int i = 0; i < d; i++)
-    v[i] = x[i] * e[0] + (d > 1 ? x[(size_t)i + ld] * e[1] : 0) +
-           (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
-}
-
 /* Returns W(:,c) times the direction of unknown j of contact c, m; W dense. scratch: m. */
 static const double *states_column(const dls_contact *problem, const dlsi_branch *b, int c, int j,
                                    double *scratch) {
@@ -210,7 +209,7 @@ static void states_fill_blocks(const dls_contact *problem, const dlsi_branch *br
       for (size_t s = W.begin; s < W.end; s++) {
         const dlsi_branch *at = &branch[dlsi_row(&W, s)];
         if (!at->count) continue;
-        states_multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
+        dlsi_branch_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < at->count; i++)
           if (J)
             J[at->first + i] += dlsi_branch_row(at, i, v);

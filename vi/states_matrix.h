@@ -23,6 +23,9 @@ void dlsi_branch_direction(const dlsi_branch *b, int j, double *e);
 /* Returns row i of R of a contact times v (3). */
 double dlsi_branch_row(const dlsi_branch *b, int i, const double *v);
 
+/* v (3) := a block of W, d x d at x, times e. */
+void dlsi_branch_block(int d, const double *x, size_t ld, const double *e, double *v);
+
 /* Returns 1 if a and b lead to the same rows and columns of A. */
 int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b);
 
