@@ -24,7 +24,8 @@ typedef struct dls_solver_settings {
   dls_forces forces;     /* DLS_FORCES_LEAST: a solved r is replaced by the least reactions of its
                         positions, where W is symmetric and mu finite (src/facts/least.c); it takes
                         as much memory as newton, and some of its steps (bench/results/least.md).
-                        info.forces says whether it was; DLS_FORCES_ANY */
+                        info.forces says whether it was. auto follows no line through the last
+                        answers then, and lanes of dls_solve_batch are not used. DLS_FORCES_ANY */
   /* auto, to see what its steps are worth; NULL: all as auto thinks best; NULL. Read by create.
    *
    * plan, "sweeps:30,newton,homotopy": these steps in turn, in the place of auto's own. ":30" lets
