@@ -249,7 +249,7 @@ const char *proof_words(const dls_proof *proof, char *text, size_t size);
 
 /* Counts the self-stresses of an answer r on W, up to most_rows_of_freedom rows. DLS_E_MEMORY and
  * the like. */
-enum { most_rows_of_freedom = 600, FREEDOM_TOO_LARGE = -1, FREEDOM_ON_K = -2, NO_FREEDOM = -3 };
+enum { most_rows_of_freedom = 1000, FREEDOM_TOO_LARGE = -1, FREEDOM_ON_K = -2, NO_FREEDOM = -3 };
 dls_status count_freedom(const dls_contact *contact, const double *r, int *freedom,
                          dls_error *error);
 /* Writes what a table of reactions has to say of them, "" where they are determined. */
