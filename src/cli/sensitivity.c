@@ -150,7 +150,7 @@ static void draw_curves(FILE *s, const influence *of, int by_friction) {
           of->contact->nc - 0.5,
           by_friction ? "d r / d mu, all mu together" : "reactions; points: states",
           by_friction ? "d r / d mu" : "r");
-  for (int i = 0; i < d; i++)
+  for (int i = 0; i < d && i < 3; i++)
     fprintf(s,
             ", \\\n       'friction.csv' every ::1 using 1:%d with lines lw 2 lc rgb '%s' title "
             "'%sr_%c%s'",

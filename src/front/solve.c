@@ -199,7 +199,7 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   solver->status = status;
   if (info && (status == DLS_OK || status == DLS_TO_ROUNDING))
     solver_predict(solver, problem, r, info);
-  if (status >= 0 && limits->progress) solver_tell_last(limits, begun, info, r);
+  if (status >= 0 && info && limits->progress) solver_tell_last(limits, begun, info, r);
   return status;
 }
 
