@@ -208,7 +208,7 @@ static dls_status least_improve(dlsi_least *work, dls_error *error) {
       const dls_status status = least_factor(work, error);
       if (status) return status;
     }
-    if (now == 0 || now > before / 2 || k == refinements) return DLS_OK;
+    if (now == 0 || now > before / 2 || k == refinements || work->n != work->A.n) return DLS_OK;
     before = now;
     const dls_status status = least_correct(work, work->r, error);
     if (status) return status;
@@ -293,13 +293,16 @@ static int least_is_symmetric(dlsi_least *work) {
   return fabs(one - other) <= symmetric * (least_dot(m, x, work->Wz) + least_dot(m, y, work->Wdz));
 }
 
-/* Sets the states of u and the directions of its slips, `close` as in dlsi_contact_touch. */
+/* Sets the states of u and the directions of its slips, `close` as in dlsi_contact_touch. r* := 0
+ * where a contact is free. */
 static void least_choose(dlsi_least *work, double close) {
   const int d = work->problem->d;
   dlsi_contact_touch(work->problem, work->u, close, work->state);
   for (int c = 0; c < work->problem->nc; c++) {
     const double *u = work->u + d * c, slip = dlsi_tangent_norm(d, u);
     work->ray[c] = (dlsi_branch){0};
+    for (int i = 0; work->state[c] == DLS_FREE && i < d; i++)
+      work->given[d * c + i] = 0;
     for (int i = 1; work->state[c] == DLS_SLIP && i < d; i++)
       work->ray[c].t[i - 1] = -u[i] / slip;
   }

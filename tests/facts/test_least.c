@@ -275,6 +275,31 @@ START_TEST(sliding_feet) {
 }
 END_TEST
 
+/* A table of eight legs slides: r_t = -mu r_n along x, and friction tips it by mu, its centre being 1
+ * above the feet: r_n = (1 + mu x) / 8. */
+START_TEST(sliding_table) {
+  static scene s;
+  double r[24], u[24];
+  dls_info info;
+  int freedom;
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.forces = DLS_FORCES_LEAST;
+  table(&s, 8, 0.9, 0, 0);
+  form(&s, NULL);
+  ck_assert_int_eq(dls_solve(&s.p_, &settings, r, u, &info, NULL), DLS_OK);
+  ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
+  for (int c = 0; c < 8; c++) {
+    ck_assert_double_eq_tol(r[3 * c], (1 + 0.5 * s.point[c][0]) / 8, 1e-8);
+    ck_assert_double_eq_tol(r[3 * c + 1], -0.5 * r[3 * c], 1e-8);
+    ck_assert_double_eq_tol(r[3 * c + 2], 0, 1e-8);
+    ck_assert_double_eq_tol(u[3 * c + 1], 0.4, 1e-8);
+  }
+  ck_assert_int_eq(dls_contact_freedom(&s.p_, r, &freedom, NULL), DLS_OK);
+  ck_assert_int_ge(freedom, 5);
+}
+END_TEST
+
 /* ---- every method, in two orders ------------------------------------------------------------- */
 
 static void scatter(int nc, int *from) {
@@ -508,7 +533,7 @@ END_TEST
 
 int main(void) {
   return RUN("least", NULL, NULL, EACH(legs_by_hand, 0, 4), ONCE(a_leg_without_load), ONCE(a_grip),
-             ONCE(sliding_feet), EACH(methods_and_orders, 0, 4), EACH(beside_regularised, 0, 2),
-             EACH(units, 0, 4), EACH(storages, 0, 4), ONCE(solver_and_batch), ONCE(left_as_it_is),
-             ONCE(nothing_wrong));
+             ONCE(sliding_feet), ONCE(sliding_table), EACH(methods_and_orders, 0, 4),
+             EACH(beside_regularised, 0, 2), EACH(units, 0, 4), EACH(storages, 0, 4),
+             ONCE(solver_and_batch), ONCE(left_as_it_is), ONCE(nothing_wrong));
 }
