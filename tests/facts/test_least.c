@@ -275,7 +275,7 @@ START_TEST(sliding_feet) {
 }
 END_TEST
 
-/* A table of eight legs slides: r_t = -mu r_n along x, and friction tips it by mu, its centre being 1
+/* A table of eight legs slides: r_t = -mu r_n along x. Friction tips it by mu, as its centre is 1
  * above the feet: r_n = (1 + mu x) / 8. */
 START_TEST(sliding_table) {
   static scene s;
