@@ -170,6 +170,7 @@ help:
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
 	@echo 'make bench-least     cost of the least reactions; FCLIB=DIR'
+	@echo 'make bench-derive    cost of derivatives over that of the answer'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
@@ -509,6 +510,7 @@ $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solver
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -544,7 +546,7 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-prove bench-least bench-steps bench-regret
+.PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret
 FCLIB ?= data/fclib
 bench-prove: $(BUILD)/bench/prove $(PROGRAM)
 	@mkdir -p $(BUILD)/jean
@@ -553,6 +555,8 @@ bench-prove: $(BUILD)/bench/prove $(PROGRAM)
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/prove --out $(RESULTS) $(FCLIB) $(BUILD)/jean
 bench-least: $(BUILD)/bench/least
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/least --out $(RESULTS) $(FCLIB)
+bench-derive: $(BUILD)/bench/derive
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/derive --out $(RESULTS)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 

@@ -14,32 +14,10 @@
 #include "linear/anderson.h"
 #include "linear/cholesky.h"
 #include "linear/dense.h"
+#include "linear/general.h"
 #include "linear/operator.h"
 #include "linear/redundant.h"
 #include "linear/sparse_lu.h"
-
-/* ---- general.c: LU of a matrix given by triplets --------------------------------------------- */
-
-/* Dense up to 250 unknowns, and in a build without MUMPS up to 8000; else by MUMPS. Zero at
- * first. */
-typedef struct dlsi_general {
-  int n, dense;      /* dense: 1 if the last factor is dense */
-  dlsi_dense of;     /* its factor */
-  double *A, *scale; /* n^2; row and column scales, 4 n */
-  int *pivot;
-  size_t room;        /* largest n of the arrays */
-  dlsi_sparse_lu *lu; /* NULL where never needed */
-} dlsi_general;
-
-/* Factors the matrix of t, square. DLS_E_SINGULAR, DLS_E_UNSUPPORTED (without MUMPS),
- * DLS_E_MEMORY. */
-dls_status dlsi_general_factor(dlsi_general *work, const dlsi_triplets *t, dls_error *error);
-
-/* x := A^-1 x, n. DLS_E_MEMORY. */
-dls_status dlsi_general_solve(dlsi_general *work, double *x, dls_error *error);
-
-/* Frees the memory, not *work itself. */
-void dlsi_general_free(dlsi_general *work);
 
 /* ---- system.c: A = K + rho H H^T + E --------------------------------------------------------- */
 

@@ -207,7 +207,7 @@ static dls_status interior_direction(interior *I, double *dp, double *dz, double
   memcpy(I->dx, I->rest, (size_t)work->n * sizeof *I->dx);
   interior_push(I, dz, I->dx);
   const dls_status status = I->cholesky ? dlsi_cholesky_solve(I->cholesky, I->dx, 1, error)
-                                        : dlsi_general_solve(&I->general, I->dx, error);
+                                        : dlsi_general_solve(&I->general, 0, I->dx, error);
   if (status) return status;
   interior_look(I, I->dx, dz);
   *step = INFINITY;

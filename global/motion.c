@@ -195,7 +195,7 @@ static dls_status drift_clean(drift *D, dls_error *error) {
     drift_assemble(D);
     status = dlsi_general_factor(&D->general, &D->t, error);
     D->global->factorisations++;
-    if (!status) status = dlsi_general_solve(&D->general, D->y, error);
+    if (!status) status = dlsi_general_solve(&D->general, 0, D->y, error);
     for (int j = 0; !status && j < D->global->n; j++)
       if (D->size[D->global->part[j]] > 0 && !drift_is_force(D, j)) D->b[j] += D->y[j];
   }

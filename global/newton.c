@@ -172,7 +172,7 @@ static dls_status newton_step(newton *N, double *r, dls_error *error) {
                (b->state == DLS_SLIP && j == 1 && i > 0 ? b->l * b->p[i] * r[d * c + i] : 0);
       v[n + b->first + j] = -sum;
     }
-  const dls_status status = dlsi_general_solve(&N->general, v, error);
+  const dls_status status = dlsi_general_solve(&N->general, 0, v, error);
   if (status) return status;
   for (int j = 0; j < n; j++)
     work->x[j] += v[j];

@@ -218,7 +218,7 @@ dls_status dlsi_system_factor_weighted(dlsi_system *work, const double *M, dls_e
 
 dls_status dlsi_system_solve(dlsi_system *work, double *x, dls_error *error) {
   return work->definite ? dlsi_cholesky_solve(work->cholesky, x, 1, error)
-                        : dlsi_general_solve(&work->general, x, error);
+                        : dlsi_general_solve(&work->general, 0, x, error);
 }
 
 void dlsi_system_destroy(dlsi_system *work) {

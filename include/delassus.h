@@ -14,6 +14,7 @@
  *   diagnose.h   facts about a problem
  *   motion.h     load paths, moving obstacles, the theta scheme
  *   trust.h      all solutions of a small problem, the fold, what a residual means
+ *   derive.h     derivatives of an answer
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
  *   newton.h     nonsmooth Newton
@@ -33,6 +34,7 @@
 #include "delassus/admm.h"
 #include "delassus/augmented.h"
 #include "delassus/contact.h"
+#include "delassus/derive.h"
 #include "delassus/diagnose.h"
 #include "delassus/facets.h"
 #include "delassus/files.h"

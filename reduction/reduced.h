@@ -11,6 +11,8 @@ typedef struct dlsi_reduced {
   const dlsi_operator *H;
   const double *f, *gap; /* the last load: n, m */
   const double *mu;      /* of the model, or NULL */
+  const double *w;       /* weights of the contacts, 2 nc */
+  int nodes, space;      /* contact nodes; entries of g for each */
   void *companion;       /* NULL: none is kept */
   int is_stale;          /* 1: the companion has the values before the last update, on K alone */
   int on_K;              /* 1: there is no W */

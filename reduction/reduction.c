@@ -924,6 +924,9 @@ dlsi_reduced dlsi_reduction_body(dls_reduction *reduction) {
                         .f = reduction->kept.f,
                         .gap = reduction->kept.gap,
                         .mu = reduction->mu,
+                        .w = reduction->kept.w,
+                        .nodes = reduction->nodes,
+                        .space = reduction->d,
                         .companion = reduction->companion,
                         .is_stale = reduction->is_stale,
                         .on_K = is_on_K(reduction)};

@@ -46,6 +46,7 @@ reduction.h reduction
 global.h global
 files.h src/files
 trust.h src/facts
+derive.h src/facts
 solve.h src/front
 diagnose.h src/front
 layout.h src/front

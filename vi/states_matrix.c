@@ -15,8 +15,8 @@
  *
  * Newton's method (newton.c) solves with A + eps diag(w); the sensitivity of an answer is |A^-1|
  * (facts/sensitivity.c); friction folds where A is singular (facts/fold.c); a proof bounds
- * |1 - A^-1 A| (facts/prove.c); a derivative with respect to q is -E A^-1 R, its adjoint
- * -R^T A^-T E^T.
+ * |1 - A^-1 A| (facts/prove.c); the derivative of r with respect to q is -E A^-1 R
+ * (facts/derive.c).
  *
  * Cost: 2/3 n^3 for the factors, half of that by Cholesky (all stick, or mu = 0, and W symmetric),
  * much less sparse. What can fail: A is singular where W does not determine r, and holds on one

@@ -45,6 +45,14 @@ DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh); /* NULL is fine */
 DLS_API DLS_MUST_USE dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu,
                                                  double *K, int ldk, dls_error *error);
 
+/* *of_E, *of_nu := dL/dE, dL/dnu of a loss L through the stiffness alone, from f = dL/df as
+ * dls_derive_body_vjp gives it: -f^T (dK/dE) x, -f^T (dK/dnu) x. f, displacement: 2 nodes, with
+ * zeros where the mesh is supported. Statuses as dls_fe_stiffness. Allocates nothing. */
+DLS_API DLS_MUST_USE dls_status dls_fe_material_gradient(const dls_fe_mesh *mesh, double E,
+                                                         double nu, const double *f,
+                                                         const double *displacement, double *of_E,
+                                                         double *of_nu, dls_error *error);
+
 /* A sparse matrix that owns its arrays: A has both triangles, rows of a column increasing, each
  * place once. Start from {0}; release with dls_fe_matrix_free, which zeroes the struct. */
 typedef struct dls_fe_matrix {

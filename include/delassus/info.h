@@ -82,8 +82,9 @@ typedef struct dls_stage {
 /* The kind of a problem for auto, src/auto/regime.c: its plan follows from it. */
 typedef enum dls_regime {
   DLS_REGIME_NONE = 0,    /* another method; or auto has answered without a plan */
-  DLS_REGIME_ELASTIC = 1, /* W dense, or by blocks with a fourth of all blocks and more */
-  DLS_REGIME_FEW = 2,     /* W by blocks, up to 100 candidates; the plan is that of elastic */
+  DLS_REGIME_ELASTIC = 1, /* W dense, or by blocks with a fourth of all and more; up to 100
+                             contacts all */
+  DLS_REGIME_FEW = 2,     /* W by fewer blocks, up to 100 contacts */
   DLS_REGIME_PACKING = 3, /* W by blocks, more than 100 candidates */
   DLS_REGIME_TIGHT = 4,   /* a packing beyond 1000 candidates or with many neighbours: momentum
                              from the first sweep on */

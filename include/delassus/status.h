@@ -60,7 +60,8 @@ typedef enum dls_status {
   DLS_E_FILE = -9,                  /* the file cannot be opened, read or written */
   DLS_E_FORMAT = -10,               /* the file is not what it should be */
   DLS_E_CALLBACK = -11,             /* a callback of the host reported failure */
-  DLS_E_BUSY = -12                  /* another call is at work on the object: docs/threads.md */
+  DLS_E_BUSY = -12,                 /* another call is at work on the object: docs/threads.md */
+  DLS_E_NO_DERIVATIVE = -13         /* the answer has none: derive.h */
 } dls_status;
 
 /* Details of an error. The caller owns the struct; every call takes NULL instead. A call fills it

@@ -4,9 +4,9 @@
  * makes the predicted error less (facts/sensitivity.c).
  *
  *   (AC1)  the error is predicted where few directions carry W:
- *          (tr S)^2 / |S|^2 < max(12, m / 16), S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the
- *          weights of the certificate. With k equal eigenvalues and no others that is k; two bodies
- *          on soft springs have 12
+ *          (tr S)^2 / |S|^2 < 12, S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the weights of the
+ *          certificate. With k equal eigenvalues and no others that is k; two bodies on soft
+ *          springs have 12
  *   (AC2)  in a sequence of warm solves the last answer that was looked at tells how much a
  *          residual means
  *
@@ -17,11 +17,6 @@
 #include <math.h>
 
 #include "auto/auto.h"
-
-static const double accurate = 1e-4;    /* relative error of r that nobody is told of */
-static const double determined = 1e-13; /* residual of a factorisation that needs no second one */
-enum { most_turns = 3 };
-static const double few_directions = 12, few_of = 16; /* (AC1) */
 
 /* Adds the entries of a d x d block of rows b and columns c of W, by their weights. */
 static void add_block(const dlsi_auto *work, int b, int c, const double *block, size_t ld,
@@ -50,8 +45,7 @@ static int may_hide(const dlsi_auto *work) {
   for (int b = 0; b < nc && !problem->W.a; b++)
     for (int k = W->p[b]; k < W->p[b + 1]; k++)
       add_block(work, b, W->i[k], W->x + (size_t)(d * d) * (size_t)k, (size_t)d, &trace, &square);
-  const double m = (double)d * nc;
-  return !(trace * trace >= fmax(few_directions, m / few_of) * square);
+  return !(trace * trace >= dlsi_auto_directions * square);
 }
 
 /* Sets info.error, and how much a residual means. Returns the error, -1 where r is not determined,
@@ -73,14 +67,10 @@ static double predict(dlsi_auto *work) {
 dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int is_asked, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const double tol = work->options.limits.tol, enough = fmax(accurate, 100 * tol);
-  const dls_info *info = &work->info;
-  const dls_certificate *best = &info->certificate;
+  const double tol = work->options.limits.tol, enough = fmax(dlsi_auto_accurate, 100 * tol);
+  const dls_certificate *best = &work->info.certificate;
   const int rows = problem->W.a ? dlsi_predicted_rows : dlsi_predicted_of_blocks;
-  const int direct = m > dlsi_predicted_of_blocks && info->stages &&
-                     info->stage[info->stages - 1].method != DLS_NLGS;
-  if (m > (size_t)rows || best->residual == 0 || (direct && best->residual <= determined))
-    return DLS_OK;
+  if (m > (size_t)rows || best->residual == 0) return DLS_OK;
   const int known = work->amplified > 0 && work->last_nc == problem->nc;
   if (work->options.limits.warm_start && known && work->amplified * best->residual <= enough) {
     work->info.error = work->amplified * best->residual; /* (AC2) */
@@ -95,7 +85,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int is_asked, dls_error *
   double before = INFINITY;
   for (int turn = 0; status == DLS_OK; turn++) {
     const double predicted = predict(work);
-    if (!(predicted > enough && predicted < before / 2) || turn == most_turns) break;
+    if (!(predicted > enough && predicted < before / 2) || turn == dlsi_auto_accurate_turns) break;
     if (dlsi_auto_has_plan(work)) break; /* followed once */
     before = predicted;
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);

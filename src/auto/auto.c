@@ -20,8 +20,6 @@
 
 #include "auto/auto.h"
 
-enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
-
 /* Prepares a solve of this problem from r = 0. Errors of dlsi_form_blocks. */
 static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
   work->problem = problem;
@@ -50,7 +48,7 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
 
 static dls_status follow_and_judge(dlsi_auto *work, dls_error *error) {
   work->has_copy = 1;
-  work->failures = copy_failures;
+  work->failures = dlsi_auto_most_failures;
   const dls_status status = dlsi_auto_follow(work, dlsi_auto_plan_on_copy, error);
   return status == DLS_STALLED ? dlsi_auto_judge(work, error) : status;
 }
@@ -185,7 +183,7 @@ static int may_need(const dlsi_auto *work, part k) {
   case SWEEPS:
     return nc <= dlsi_auto_many || !blocks || blocks / nc >= nc / 4;
   case REST:
-    return m >= dlsi_auto_least_at_rest;
+    return m >= dlsi_auto_rest_least;
   case PUSH:
     return blocks;
   case PIVOTING:

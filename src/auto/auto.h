@@ -6,20 +6,10 @@
 
 #include <stdint.h>
 
+#include "auto/constants.h"
 #include "facts/facts.h"
 #include "linear/room.h"
 #include "vi/vi_internal.h"
-
-enum {
-  dlsi_auto_small = 300
-};                               /* rows of a problem that has a copy: a thousand factorisations
-                                    then take a few seconds */
-enum { dlsi_auto_large = 3000 }; /* rows: beyond, another way takes too long, nothing is said */
-enum { dlsi_auto_few = 100 };    /* candidates by blocks: more are a packing */
-enum { dlsi_auto_many = 1000 };  /* ... and more than these are not swept with Anderson alone */
-enum { dlsi_auto_least_at_rest = 150 };   /* rows: below, the convex problem is not worth it */
-static const double dlsi_auto_firm = 1e4; /* friction on a copy at first */
-static const double dlsi_auto_far_start = 0.25; /* residual of a warm start with many new states */
 
 /* Each method once, and some once more for another way. */
 typedef enum part {

@@ -11,7 +11,7 @@
  *          blocks, 20 of more, or while e > .05 before any failure; half of that from a warm start
  *          whose first sweep ends with e <= 1/4), a number that each failure doubles
  *   (FC3)  Newton's method ends when 4 steps, or as many as cost half of (FC1) and of splitting, up
- *          to 12, doubled by each failure, have not brought e down by a tenth
+ *          to 12, doubled by each failure, have not brought e down
  *
  * A forecast that was wrong is so believed less each time. No clock is read: the same input takes
  * the same steps and gives the same bits.
@@ -19,14 +19,6 @@
 #include <math.h>
 
 #include "auto/auto.h"
-
-enum { first_patience = 4, last_patience = 12 /* of vi/newton.c */ };
-enum { look_every = 5, first_sweeps = 10, first_of_few = 60 };
-enum { rest_sweeps = 100 };           /* what the convex problem costs, analysis included */
-enum { push_ahead = 100 };            /* accelerated sweeps that take as long as momentum does */
-static const double unsorted = 0.05;  /* e: with more, few states are those of the answer */
-static const double unsettled = 0.01; /* e: ... and with less, most are */
-static const double progress = 0.9;   /* of e, below which a step has brought it down */
 
 /* Tells the caller's callback and keeps to the caller's limits. Returns 1 to stop. */
 static int must_stop(dlsi_auto *work, const dls_progress *p) {
@@ -69,17 +61,19 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   const double gain = now < work->least ? work->least - now : 0;
   work->least -= gain;
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
-  if (p->iteration % look_every) return 0;
+  if (p->iteration % dlsi_auto_look_every) return 0;
   const double newton = dlsi_auto_cost_of_newton(work),
                ahead = (work->least - work->target) / work->rate;
-  const double other = dlsi_auto_is_packing(work) && !work->has_pushed ? push_ahead : newton;
-  const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
-  if (work->d == 3 && p->residual > unsettled && dlsi_auto_cost_of_split(work) < 2 * newton)
+  const double other = dlsi_auto_is_packing(work) && !work->has_pushed ? dlsi_auto_ahead : newton;
+  const double next = work->may_rest ? fmin(other, dlsi_auto_ahead) : other;
+  if (work->d == 3 && p->residual > dlsi_auto_unsorted &&
+      dlsi_auto_cost_of_split(work) < 2 * newton)
     work->costly = 1;
   work->ahead = ahead;
-  const int sorted = work->failures || p->residual <= unsorted;
+  const int sorted = work->failures || p->residual <= dlsi_auto_unsorted;
   const int twice = !work->problem->W.a || !sorted;
-  const int cold = dlsi_auto_is_few(work) ? first_of_few : (twice + 1) * first_sweeps;
+  const int cold =
+      dlsi_auto_is_few(work) ? dlsi_auto_first_of_few : (twice + 1) * dlsi_auto_first_sweeps;
   const int first = cold / (work->near + 1);
   if (!(p->iteration >= first << work->failures && ahead > next)) return 0;
   return end_as_costlier(work, ahead, next);
@@ -90,7 +84,7 @@ int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
-  if (now < work->least + log(progress)) {
+  if (now < work->least) {
     work->least = now;
     work->since = p->iteration;
   }
@@ -109,9 +103,10 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   work->least -= gain;
   work->rate += 2. * sweeps / (p->iteration + sweeps) * (gain / sweeps - work->rate);
   work->since = p->iteration;
-  if (p->iteration % look_every || p->iteration < 2 * first_sweeps) return 0;
+  if (p->iteration % dlsi_auto_look_every || p->iteration < 2 * dlsi_auto_first_sweeps) return 0;
   const double ahead = (now - work->target) / work->rate;
-  if (work->may_rest && ahead > rest_sweeps) return end_as_costlier(work, ahead, rest_sweeps);
+  if (work->may_rest && ahead > dlsi_auto_ahead)
+    return end_as_costlier(work, ahead, dlsi_auto_ahead);
   if (!dlsi_auto_is_near(work, p->residual)) return 0;
   const double newton = dlsi_auto_cost_of_newton(work);
   return ahead > newton && end_as_costlier(work, ahead, newton);
@@ -136,7 +131,8 @@ static int patience_of_newton(const dlsi_auto *work) {
   const double other = dlsi_auto_has_splitting(work)
                            ? fmin(work->ahead, dlsi_auto_cost_of_split(work))
                            : work->ahead;
-  return (int)fmin(fmax(other / (2 * work->step), first_patience), last_patience);
+  return (int)fmin(fmax(other / (2 * work->step), dlsi_auto_first_patience),
+                   dlsi_auto_last_patience);
 }
 
 void dlsi_auto_begin_watch(dlsi_auto *work) {

@@ -5,9 +5,7 @@
 
 #include "auto/auto.h"
 
-enum { few_normals = 6 };              /* whose factorisation is below the cost of a call */
-static const double small_part = 0.05; /* of a solve, for the look */
-static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
+enum { few_normals = 6 }; /* whose factorisation is below the cost of a call */
 
 /* Returns room for W_nn, or NULL where there is friction, its factorisation would be more than a
  * small part of what the solve took, or the room keeps factors for the next solve. */
@@ -20,7 +18,7 @@ static double *room_of_normals(dlsi_auto *work) {
   for (int k = 0; k < work->info.stages; k++)
     spent += 2 * m * m * work->info.stage[k].iterations +
              m * m * m / 3 * work->info.stage[k].factorisations;
-  if (work->options.limits.warm_start || (n > few_normals && cost > small_part * spent))
+  if (work->options.limits.warm_start || (n > few_normals && cost > dlsi_auto_look_part * spent))
     return NULL;
   if (work->options.lazy && dlsi_room_dense(&work->room, n, NULL)) return NULL;
   if (work->room.side < n) return NULL;
@@ -49,7 +47,7 @@ static void sweep_to_another(dlsi_auto *work, const double *r) {
     difference = fmax(difference, fabs(w * (other[k] - r[k])));
     size = fmax(size, fabs(w * r[k]));
   }
-  if (difference > another * size) work->info.unique = DLS_UNIQUE_NO;
+  if (difference > dlsi_auto_another * size) work->info.unique = DLS_UNIQUE_NO;
 }
 
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r) {

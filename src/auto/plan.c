@@ -5,31 +5,26 @@
  */
 #include "auto/auto.h"
 
-enum { dense_splits = 200 };        /* iterations: more of them cost more than Newton again */
-enum { other_iterations = 2000 };   /* of splitting from r = 0 */
-enum { settle_iterations = 20000 }; /* up to 300 rows: a second or two */
-enum { most_pushes = 1000000 };
-enum { few_pushes = 1500, few_splits = 400 };    /* few candidates: before pivots */
-enum { long_pushes = 2000, short_pushes = 500 }; /* before the augmented Lagrangian */
-enum { usual_way = 1, momentum = 2 };            /* dlsi_options.stage */
+enum { usual_way = 1, momentum = 2 }; /* dlsi_options.stage */
 
 const step_kind dlsi_auto_kind[parts] = {
     [SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_sweeps, dlsi_auto_may_sweep, 0, usual_way},
-    [SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_split, dense_splits,
+    [SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_split, dlsi_auto_splits,
                    usual_way},
     [REST] = {&dlsi_rest_method, dlsi_auto_watch_limits, dlsi_auto_may_rest, 0, usual_way},
     [NEWTON] = {&dlsi_newton_method, dlsi_auto_watch_newton, dlsi_auto_may_step, 0, usual_way},
     [AUGMENTED] = {&dlsi_augmented_method, dlsi_auto_watch_limits, NULL, 0, usual_way},
     [PIVOTING] = {&dlsi_lemke_method, dlsi_auto_watch_limits, dlsi_auto_may_pivot, 0, usual_way},
-    [COLD_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, other_iterations,
+    [COLD_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, dlsi_auto_cold_splits,
                         usual_way},
     [HOMOTOPY] = {&dlsi_homotopy_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
                   usual_way},
     [SCATTER] = {&dlsi_scatter_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
                  usual_way},
-    [PUSH] = {&dlsi_nlgs_method, dlsi_auto_watch_push, dlsi_auto_may_push, most_pushes, momentum},
-    [SETTLE] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_settle, settle_iterations,
-                usual_way},
+    [PUSH] = {&dlsi_nlgs_method, dlsi_auto_watch_push, dlsi_auto_may_push, dlsi_auto_all_pushes,
+              momentum},
+    [SETTLE] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_settle,
+                dlsi_auto_settle_splits, usual_way},
 };
 
 /* Elastic bodies. */
@@ -37,13 +32,13 @@ static const step elastic[] = {{SWEEPS, 0, 0}, {REST, 0, 0},         {SPLITTING,
                                {NEWTON, 0, 0}, {PIVOTING, EARLY, 0}, {SPLITTING, 0, 0},
                                {SWEEPS, 0, 0}, {NEWTON, 0, 0},       {END, 0, 0}};
 
-/* Few candidates of many bodies: sweeps mostly come in, seldom from afar; pivots take longer than
- * another way to sweep. */
+/* Few contacts of many bodies: sweeps mostly come in. Where they do not, momentum from r = 0 does,
+ * or pivots, cheap in 2D; Newton's method seldom. */
 static const step few[] = {{SWEEPS, 0, 0}, {REST, 0, 0},
-                           {NEWTON, 0, 0}, {SWEEPS, 0, 0},
-                           {NEWTON, 0, 0}, {PUSH, COLD, few_pushes},
-                           {NEWTON, 0, 0}, {COLD_SPLITTING, COLD, few_splits},
+                           {NEWTON, 0, 0}, {PUSH, COLD, dlsi_auto_short_pushes},
                            {NEWTON, 0, 0}, {PIVOTING, EARLY, 0},
+                           {NEWTON, 0, 0}, {PUSH, 0, dlsi_auto_long_pushes},
+                           {NEWTON, 0, 0}, {COLD_SPLITTING, COLD, dlsi_auto_splits},
                            {NEWTON, 0, 0}, {END, 0, 0}};
 
 /* Momentum in turn with Newton's method, which leads nowhere far from the answer. */
@@ -57,15 +52,29 @@ static const step tight[] = {{PUSH, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWT
 
 /* The same in 2D up to 1000 candidates, where the factors of the augmented Lagrangian have little
  * fill: chains, through which a reaction takes thousands of sweeps, end with it. */
-static const step flat_packing[] = {
-    {SWEEPS, 0, 0},          {REST, 0, 0},   {PUSH, FAR, long_pushes}, {NEWTON, 0, 0},
-    {PUSH, 0, short_pushes}, {NEWTON, 0, 0}, {AUGMENTED, 0, 0},        {PUSH, 0, 0},
-    {NEWTON, 0, 0},          {PUSH, 0, 0},   {NEWTON, 0, 0},           {END, 0, 0}};
+static const step flat_packing[] = {{SWEEPS, 0, 0},
+                                    {REST, 0, 0},
+                                    {PUSH, FAR, dlsi_auto_long_pushes},
+                                    {NEWTON, 0, 0},
+                                    {PUSH, 0, dlsi_auto_short_pushes},
+                                    {NEWTON, 0, 0},
+                                    {AUGMENTED, 0, 0},
+                                    {PUSH, 0, 0},
+                                    {NEWTON, 0, 0},
+                                    {PUSH, 0, 0},
+                                    {NEWTON, 0, 0},
+                                    {END, 0, 0}};
 
-static const step flat_tight[] = {
-    {PUSH, 0, long_pushes}, {NEWTON, 0, 0}, {PUSH, 0, short_pushes}, {NEWTON, 0, 0},
-    {AUGMENTED, 0, 0},      {PUSH, 0, 0},   {NEWTON, 0, 0},          {PUSH, 0, 0},
-    {NEWTON, 0, 0},         {END, 0, 0}};
+static const step flat_tight[] = {{PUSH, 0, dlsi_auto_long_pushes},
+                                  {NEWTON, 0, 0},
+                                  {PUSH, 0, dlsi_auto_short_pushes},
+                                  {NEWTON, 0, 0},
+                                  {AUGMENTED, 0, 0},
+                                  {PUSH, 0, 0},
+                                  {NEWTON, 0, 0},
+                                  {PUSH, 0, 0},
+                                  {NEWTON, 0, 0},
+                                  {END, 0, 0}};
 
 /* What the first plan leaves, up to 300 rows. Pivots prove that there is no solution, or end it;
  * the rest searches. The augmented Lagrangian tells at last of reactions that run away. */

@@ -18,10 +18,7 @@
 
 #include "auto/auto.h"
 
-enum { usual_splits = 50 };            /* sweeps in all, where m = k and mu <= 1 */
-enum { most_of_step = 50 };            /* sweeps */
-static const double few_filled = 6000; /* unknowns by blocks, d = 3 */
-static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
+static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
 double dlsi_auto_count_unknowns(const dls_contact *problem, const double *r) {
   const int d = problem->d;
@@ -48,16 +45,17 @@ static double mean_friction(const dls_contact *problem, const double *r) {
 double dlsi_auto_cost_of_split(const dlsi_auto *work) {
   const double mu = fmax(mean_friction(work->problem, work->r), 1);
   const double m = (double)work->problem->d * work->problem->nc;
-  return usual_splits * mu * mu * m / fmax(work->unknowns, 1);
+  return dlsi_auto_usual_splits * mu * mu * m / fmax(work->unknowns, 1);
 }
 
 /* Returns the sweeps that a step of Newton's method takes with k unknowns, (PR1). */
 static double price_of_step(const dls_contact *problem, double k) {
   const int dense = problem->W.a != NULL;
   const double m = (double)problem->d * problem->nc;
-  const double fill = !dense && problem->d == 3 && k > few_filled ? k / few_filled : 1;
+  const double fill =
+      !dense && problem->d == 3 && k > dlsi_auto_few_filled ? k / dlsi_auto_few_filled : 1;
   const double sweeps = fmax(5 + k / 12, k / 6) / (problem->d == 3 ? 1.5 : 1);
-  const double usual = fmin(sweeps, most_of_step) * fill * fill;
+  const double usual = fmin(sweeps, dlsi_auto_most_of_step) * fill * fill;
   return dense ? fmax(usual, k * k / (6 * m)) : usual;
 }
 
@@ -68,7 +66,7 @@ double dlsi_auto_cost_of_newton(dlsi_auto *work) {
   const int settled = dense && k == work->unknowns;
   work->unknowns = k;
   work->step = price_of_step(problem, k);
-  work->costly = dense && !settled && work->step > most_of_step;
+  work->costly = dense && !settled && work->step > dlsi_auto_most_of_step;
   return (settled ? problem->d - 1 : 4) * (1 << work->failures) * work->step;
 }
 

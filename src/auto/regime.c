@@ -4,8 +4,8 @@
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly.
  *
- *   elastic   W dense, or by blocks with a fourth of all blocks and more
- *   few       W by blocks, less than a fourth of all, up to 100 candidates
+ *   elastic   W dense, or by blocks with a fourth of all blocks and more, up to 100 candidates all
+ *   few       W by blocks, but not all blocks, up to 100 candidates
  *   packing   W by blocks, more than 100 candidates
  *   tight     a packing beyond 1000 candidates, or one of bodies with d + 1 contacts each or more,
  *             as many as hold them with friction, that are not at rest: each candidate then has
@@ -20,21 +20,17 @@
 
 #include "auto/auto.h"
 
-enum { split_unknowns = 100 }; /* rows: below, other methods take less than its factorisation */
-enum { few_blocks = 4 };       /* of a candidate, its own included */
-enum { late_rows = 3000 };     /* of a table that is allocated when a solve comes to it */
-enum { pivot_rows = 400 };     /* such a table stays in the cache */
-_Static_assert(2 * (int)pivot_rows <= 3 * (int)dlsi_auto_small, "early pivots work on a copy");
-static const double push_near = 1e-5;    /* residual: farther away Newton's steps lead nowhere */
-static const double share_outside = 0.1; /* of -q outside of the cones, for what may rest */
-static const double near_most = 100;     /* of the residual, over the one asked */
+_Static_assert(2 * (int)dlsi_auto_early_rows <= 3 * (int)dlsi_auto_small,
+               "early pivots work on a copy");
 
 int dlsi_auto_is_packing(const dlsi_auto *work) {
   return work->problem->nc > dlsi_auto_few && !dlsi_is_elastic(work->problem);
 }
 
 int dlsi_auto_is_few(const dlsi_auto *work) {
-  return work->problem->Wb.x && work->problem->nc <= dlsi_auto_few && !dlsi_is_full(work->problem);
+  const dls_blocks *W = &work->problem->Wb;
+  const int nc = work->problem->nc;
+  return W->x && nc <= dlsi_auto_few && W->p[nc] < nc * nc;
 }
 
 int dlsi_auto_may_push(const dlsi_auto *work) {
@@ -63,7 +59,7 @@ dls_regime dlsi_auto_regime(const dlsi_auto *work) {
 }
 
 int dlsi_auto_is_near(const dlsi_auto *work, double residual) {
-  return residual <= push_near * pow(10, -work->failures);
+  return residual <= dlsi_auto_push_near * pow(10, -work->failures);
 }
 
 int dlsi_auto_may_step(const dlsi_auto *work) {
@@ -76,10 +72,10 @@ int dlsi_auto_looks_at_rest(const dlsi_auto *work) {
   const int d = problem->d;
   const double *q = problem->q;
   double all = 0, outside = 0;
-  if (problem->W.a || d * problem->nc < dlsi_auto_least_at_rest) return 0;
+  if (problem->W.a || d * problem->nc < dlsi_auto_rest_least) return 0;
   const int told = work->options.limits.blocks; /* of bodies */
   const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : told > 1 ? told : INT_MAX;
-  if (blocks / problem->nc <= few_blocks) return 1;
+  if (blocks / problem->nc <= dlsi_auto_loose_blocks) return 1;
   for (int c = 0; c < problem->nc; c++, q += d) {
     double v[3] = {0}, p[3] = {0};
     for (int i = 0; i < d; i++)
@@ -90,7 +86,7 @@ int dlsi_auto_looks_at_rest(const dlsi_auto *work) {
       outside += (v[i] - p[i]) * (v[i] - p[i]);
     }
   }
-  return outside <= share_outside * share_outside * all;
+  return outside <= dlsi_auto_share_outside * dlsi_auto_share_outside * all;
 }
 
 int dlsi_auto_may_rest(const dlsi_auto *work) {
@@ -99,7 +95,7 @@ int dlsi_auto_may_rest(const dlsi_auto *work) {
 
 int dlsi_auto_has_splitting(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
-  return problem->W.a && !work->has_split && problem->d * problem->nc >= split_unknowns;
+  return problem->W.a && !work->has_split && problem->d * problem->nc >= dlsi_auto_split_least;
 }
 
 int dlsi_auto_may_split(const dlsi_auto *work) {
@@ -130,12 +126,12 @@ int dlsi_auto_may_pivot(const dlsi_auto *work) {
   const int late = work->d * work->nc > dlsi_auto_small;
   if (late && !work->problem->W.a) return 0; /* of bodies: far too many pivots */
   return !is_bonded(work) &&
-         rows_of_lcp(work->d, work->nc) <= (late ? late_rows : DLS_AUTO_LEMKE_ROWS);
+         rows_of_lcp(work->d, work->nc) <= (late ? dlsi_auto_large : DLS_AUTO_LEMKE_ROWS);
 }
 
 /* Returns 1 if the table is small: 3 rows a candidate in 2D, 10 in 3D. */
 int dlsi_auto_may_pivot_early(const dlsi_auto *work) {
-  return (work->d == 2 ? 3 : 10) * work->nc <= pivot_rows;
+  return (work->d == 2 ? 3 : 10) * work->nc <= dlsi_auto_early_rows;
 }
 
 int dlsi_auto_may_follow_path(const dlsi_auto *work) {
@@ -148,7 +144,7 @@ int dlsi_auto_may_go_another_way(const dlsi_auto *work) {
 
 /* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
 int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual) {
-  return residual <= near_most * fmax(work->options.limits.tol, 1e-8);
+  return residual <= dlsi_auto_near_most * fmax(work->options.limits.tol, 1e-8);
 }
 
 int dlsi_auto_may_settle(const dlsi_auto *work) {

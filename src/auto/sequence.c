@@ -19,12 +19,10 @@
 
 #include "auto/auto.h"
 
-static const double step_sweeps = 1.5, forgotten = 0.98; /* (SQ2) */
-
 /* Returns the sweeps that a solve with (SQ2) is expected to take. */
 static double expect_of_step(const dlsi_auto *work) {
   if (work->of_step > 0) return work->of_step;
-  return fmax(-log10(work->options.limits.tol) / 2, 1) * step_sweeps;
+  return fmax(-log10(work->options.limits.tol) / 2, 1) * dlsi_auto_step_sweeps;
 }
 
 /* Returns 1 if a warm solve begins with Newton's method (SQ2). */
@@ -140,11 +138,11 @@ void dlsi_auto_remember_cost(dlsi_auto *work, const double *r) {
   double cost = 0;
   for (int s = 0; s < info->stages; s++) {
     const int newton = info->stage[s].method == DLS_NEWTON;
-    cost += (newton ? step_sweeps : 1) * info->stage[s].iterations;
+    cost += (newton ? dlsi_auto_step_sweeps : 1) * info->stage[s].iterations;
     cost += newton ? factors * info->stage[s].factorisations : 0;
   }
   if (!work->stepped) {
-    work->of_step *= forgotten;
+    work->of_step *= dlsi_auto_forgotten;
     work->swept = cost;
   } else {
     if (!work->in_steps && info->factorisations) cost -= factors;

@@ -17,8 +17,6 @@
 
 #include "auto/auto.h"
 
-enum { most_failures = 5 };
-
 /* ---- workspaces ------------------------------------------------------------------------------ */
 
 dls_status dlsi_auto_form_blocks(dlsi_auto *work, dls_error *error) {
@@ -129,7 +127,7 @@ static void report(dlsi_auto *work, part k, dls_status status, const dls_info *i
   line->cpu_seconds = dlsi_clock_since(work->begun) - begun;
   all->iterations += info->iterations;
   all->factorisations += info->factorisations;
-  if (k == NEWTON && work->failures < most_failures) work->failures++;
+  if (k == NEWTON && work->failures < dlsi_auto_most_failures) work->failures++;
   if (!dlsi_is_better(&info->certificate, &all->certificate)) return;
   all->certificate = info->certificate;
   memcpy(work->best, work->r,

@@ -16,9 +16,6 @@
 
 #include "auto/auto.h"
 
-enum { sure_starts = 2 };                   /* candidates, d = 3, whose states the steps cover */
-static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta| */
-
 /* Returns 1 if the augmented Lagrangian has ended with a direction delta along which W delta is 0
  * but for rounding: w: weights, set already. */
 static int runs_away(const dlsi_auto *work) {
@@ -30,7 +27,7 @@ static int runs_away(const dlsi_auto *work) {
   dlsi_contact_apply(problem, delta, v);
   for (size_t k = 0; k < m; k++)
     v[k] /= work->w[k / d];
-  return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
+  return dlsi_max_abs(v, m) <= dlsi_auto_runs_away * dlsi_max_abs(delta, m);
 }
 
 dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
@@ -52,7 +49,8 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
     if (found) return DLS_STALLED;
   }
   if (!few && !sure &&
-      (problem->nc > sure_starts || dlsi_auto_is_nearly_met(work, work->info.certificate.residual)))
+      (problem->nc > dlsi_auto_sure_contacts ||
+       dlsi_auto_is_nearly_met(work, work->info.certificate.residual)))
     return DLS_STALLED;
   if (!dlsi_auto_may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);

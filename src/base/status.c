@@ -35,6 +35,7 @@ static const status_words words[] = {
     {DLS_E_FORMAT, "DLS_E_FORMAT", "file format"},
     {DLS_E_CALLBACK, "DLS_E_CALLBACK", "host callback failed"},
     {DLS_E_BUSY, "DLS_E_BUSY", "object in use by another call"},
+    {DLS_E_NO_DERIVATIVE, "DLS_E_NO_DERIVATIVE", "no derivative"},
 };
 
 static const status_words *find_words(dls_status status) {

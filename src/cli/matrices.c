@@ -44,9 +44,8 @@ taken take_matrix_option(int key, const char *text, matrix_options *o) {
     return OPTION_WRONG;
   }
   if (key != KEY_DIM) return OPTION_UNKNOWN;
-  if (parse_count("dim", text, &o->dim) == OPTION_TAKEN && (o->dim == 2 || o->dim == 3))
-    return OPTION_TAKEN;
-  complain("--dim: '%s' is not 2 or 3", text);
+  if (parse_count("dim", text, &o->dim) == OPTION_TAKEN && o->dim <= 3) return OPTION_TAKEN;
+  complain("--dim: '%s' is not 1, 2 or 3", text);
   return OPTION_WRONG;
 }
 
@@ -77,7 +76,8 @@ void matrices_usage(FILE *out) {
       "      --mu=MU           friction: a number (inf: no slip) or one for each candidate\n"
       "      --weights=P       nodes x candidates, the weighting of the reactions\n"
       "      --W=W --q=Q       the condensed problem u = W r + q itself, instead of K, H, f, g\n"
-      "      --dim=D           2 or 3, where the sizes of the files do not tell\n"
+      "      --dim=D           2 or 3, or 1 for normals alone, where the sizes of the files do not "
+      "tell\n"
       "      --on=W|K          solve on the Delassus matrix W, or on K itself, which takes bodies\n"
       "                        that contact alone holds; without it the cheaper one is foreseen\n"
       "      --stabilize       free bodies: on K, as without it\n"
@@ -98,11 +98,13 @@ static int check_matrices(const matrix_options *o) {
     complain("--W: needs --q");
   else if (!o->W && o->q)
     complain("--q: goes with --W");
+  else if (!o->W && o->dim == 1)
+    complain("--dim: 1 goes with --W; beside K, --HN without --HT is without friction");
   else if (!o->W && traces != 1)
     complain("one of --HN, --H and --nodes is wanted");
   else if (o->HT && !o->HN)
     complain("--HT: goes with --HN");
-  else if (!o->mu && (!o->HN || o->HT))
+  else if (!o->mu && o->dim != 1 && (!o->HN || o->HT))
     complain("--mu: is wanted, 0 for no friction");
   else if (o->flexibility && (o->modes || o->stabilize || o->on == DLS_ON_K))
     complain("--%s: is for --stiffness", o->modes ? "modes" : o->stabilize ? "stabilize" : "on=K");
@@ -384,6 +386,7 @@ static int find_dimension(const matrix_options *o, int m) {
     table t = {0};
     if (!paths[k] || is_number(paths[k], &number) || !table_read(paths[k], &t)) continue;
     const size_t count = table_count(&t);
+    if (count == (size_t)m && o->W) d = 1;
     if (2 * count == (size_t)m) d = 2;
     if (3 * count == (size_t)m) d = 3;
     free(t.a);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #include "cli.h"
-#include "facts/influence.h"
+#include "delassus/derive.h"
 
 enum { parts = 4, listed = 12, named = 3 };
 
@@ -19,8 +19,8 @@ enum { parts = 4, listed = 12, named = 3 };
 typedef struct influence {
   const dls_contact *contact;
   const double *r;
-  double *u, *w, *dq, *dmu, *map; /* m; nc; m x m; m; parts x nc x nc */
-  dls_contact_state *state;       /* nc */
+  double *u, *dq, *dmu, *map; /* m; m x m; m; parts x nc x nc */
+  dls_contact_state *state;   /* nc */
 } influence;
 
 static const char *const part_name[parts] = {"rn_qn", "rn_qt", "rt_qn", "rt_qt"};
@@ -30,15 +30,57 @@ static double *map_at(const influence *of, int part, int c, int k) {
   return &of->map[((size_t)part * nc + (size_t)c) * nc + (size_t)k];
 }
 
+/* Returns trace(W_cc) / d. */
+static double mean_compliance(const dls_contact *p, int c) {
+  const int d = p->d, n = p->bodies.n;
+  double sum = 0;
+  for (int i = 0; p->W.a && i < d; i++)
+    sum += p->W.a[(size_t)(d * c + i) * (size_t)(p->W.ld + 1)];
+  for (int k = 0; p->Wb.x && k < p->Wb.p[c + 1] - p->Wb.p[c]; k++)
+    for (int i = 0; p->Wb.i[p->Wb.p[c] + k] == c && i < d; i++)
+      sum += p->Wb.x[(size_t)(p->Wb.p[c] + k) * (size_t)(d * d) + (size_t)(i * (d + 1))];
+  for (int side = 0; p->bodies.H && side < 2; side++)
+    for (int i = 0; p->bodies.body[2 * c + side] >= 0 && i < n * d; i++) {
+      const double h = p->bodies.H[(size_t)(2 * c + side) * (size_t)(n * d) + (size_t)i];
+      sum += h * h;
+    }
+  return sum / d;
+}
+
+/* dq, column j := d r / d q_j; dmu := d r / d mu, all mu > 0 raised together. change: scratch, m. */
+static dls_status find_influence(const influence *of, double *change, dls_error *error) {
+  const dls_contact *p = of->contact;
+  const size_t m = (size_t)p->d * (size_t)p->nc;
+  dls_derive *derive = NULL;
+  dls_status status = dls_derive_create(&derive, p, of->r, -1, error);
+  for (size_t k = 0; k < m; k++)
+    change[k] = 0;
+  for (size_t j = 0; !status && j < m; j++) {
+    change[j] = 1;
+    const dls_derive_data by_q = {.q = change};
+    const dls_derive_answer moved = {.r = of->dq + j * m};
+    status = dls_derive_jvp(derive, &by_q, &moved, error);
+    change[j] = 0;
+  }
+  for (int c = 0; c < p->nc; c++)
+    change[c] = p->mu[c] > 0;
+  const dls_derive_data by_mu = {.mu = change};
+  const dls_derive_answer moved = {.r = of->dmu};
+  if (!status) status = dls_derive_jvp(derive, &by_mu, &moved, error);
+  dls_derive_destroy(derive);
+  return status;
+}
+
 static void fill_map(const influence *of) {
   const int d = of->contact->d, nc = of->contact->nc, m = d * nc;
   for (int c = 0; c < nc; c++) {
+    const double w = mean_compliance(of->contact, c);
     for (int k = 0; k < nc; k++)
       for (int i = 0; i < d; i++)
         for (int j = 0; j < d; j++) {
           double *entry = map_at(of, 2 * (i > 0) + (j > 0), c, k);
           const double x = of->dq[(size_t)(d * c + i) + (size_t)(d * k + j) * (size_t)m];
-          *entry = hypot(*entry, of->w[c] * x);
+          *entry = hypot(*entry, w * x);
         }
   }
 }
@@ -246,21 +288,18 @@ int show_sensitivity(const char *name, const dls_contact *contact, const double 
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   dls_certificate certificate;
   int result = EXIT_BAD_INPUT;
-  of.u = calloc(2 * m + nc + m * m + parts * nc * nc, sizeof *of.u);
+  of.u = calloc(3 * m + m * m + parts * nc * nc, sizeof *of.u);
   of.state = malloc(nc * sizeof *of.state);
   dls_status status = of.u && of.state ? DLS_OK : DLS_E_MEMORY;
   if (!status) {
-    of.w = of.u + m;
-    of.dq = of.w + nc;
+    of.dq = of.u + m;
     of.dmu = of.dq + m * m;
     of.map = of.dmu + m;
     status = dls_contact_certify(contact, r, of.u, &certificate, &error);
   }
   if (!status) status = dls_contact_states(contact, r, of.u, of.state, &error);
-  if (!status) status = dlsi_contact_influence(contact, r, of.w, of.dq, of.dmu, &error);
-  if (status == DLS_E_SINGULAR)
-    (void)complain("--sensitivity: the reactions are not determined (delassus solve --forces)");
-  else if (status)
+  if (!status) status = find_influence(&of, of.map + parts * nc * nc, &error);
+  if (status)
     (void)complain_of(name, &error);
   else {
     fill_map(&of);

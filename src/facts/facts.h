@@ -40,6 +40,16 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
 void dlsi_contact_touch(const dls_contact *problem, const double *u, double close,
                         dls_contact_state *state);
 
+/* Returns how near to another state a contact is on the border of both: a share of the largest
+ * entry of w r and u, 10 times the residual at least. w: weights of the certificate. */
+double dlsi_border_width(const dls_contact *problem, const double *w, const double *r,
+                         const double *u, double residual);
+
+/* Returns the state that a contact in `state` is within `close` of, its own where there is none.
+ * w, r, u: its own. */
+dls_contact_state dlsi_border_state(int d, double mu, dls_contact_state state, const double *w,
+                                    const double *r, const double *u, double close);
+
 /* ---- prove.c --------------------------------------------------------------------------------- */
 
 /* Does the work of dls_contact_prove; W dense or by blocks, all checked. */

@@ -50,16 +50,24 @@ typedef struct sensitivity_work {
 
 /* ---- borders --------------------------------------------------------------------------------- */
 
-/* Returns 1 if candidate c is within `close` of another state. */
-static int sensitivity_is_border(const sensitivity_work *work, int c, double close) {
-  const int d = work->problem->d;
-  const double *r = work->r + (size_t)d * (size_t)c, *u = work->u + (size_t)d * (size_t)c;
-  const double mu = work->problem->mu[c], w = work->w[2 * c + 1];
-  if (work->state[c] == DLS_FREE) return u[0] <= close;
-  if (work->w[2 * c] * r[0] <= close) return 1;
-  if (!(mu > 0)) return 0;
-  if (work->state[c] == DLS_SLIP) return dlsi_tangent_norm(d, u) <= close;
-  return w * (mu * r[0] - dlsi_tangent_norm(d, r)) <= close;
+double dlsi_border_width(const dls_contact *problem, const double *w, const double *r,
+                         const double *u, double residual) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  double most = 0;
+  for (size_t k = 0; k < m; k++)
+    most = fmax(most, fmax(fabs(u[k]), w[2 * (k / d) + (k % d > 0)] * fabs(r[k])));
+  return fmax(border, 10 * residual) * most;
+}
+
+dls_contact_state dlsi_border_state(int d, double mu, dls_contact_state state, const double *w,
+                                    const double *r, const double *u, double close) {
+  const double slip = dlsi_tangent_norm(d, u);
+  if (state == DLS_FREE && !(u[0] <= close)) return DLS_FREE;
+  if (state == DLS_FREE) return mu > 0 && slip > close ? DLS_SLIP : DLS_STICK;
+  if (w[0] * r[0] <= close) return DLS_FREE;
+  if (!(mu > 0)) return state;
+  if (state == DLS_SLIP) return slip <= close ? DLS_STICK : DLS_SLIP;
+  return w[1] * (mu * r[0] - dlsi_tangent_norm(d, r)) <= close ? DLS_SLIP : DLS_STICK;
 }
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
@@ -246,16 +254,6 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
   return error;
 }
 
-/* Returns within how much of a state's border a contact counts as on it. */
-static double sensitivity_closeness(const sensitivity_work *work, const dls_certificate *c) {
-  const size_t d = (size_t)work->problem->d, m = d * (size_t)work->problem->nc;
-  double most = 0;
-  for (size_t k = 0; k < m; k++)
-    most =
-        fmax(most, fmax(fabs(work->u[k]), work->w[2 * (k / d) + (k % d > 0)] * fabs(work->r[k])));
-  return fmax(border, 10 * c->residual) * most;
-}
-
 void dlsi_contact_touch(const dls_contact *problem, const double *u, double close,
                         dls_contact_state *state) {
   for (int c = 0; c < problem->nc; c++) {
@@ -286,12 +284,15 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
   }
   if (!status && sensitivity) status = dls_contact_states(problem, r, work.u, work.state, error);
   if (!status) {
+    const int d = problem->d;
     dlsi_certificate_weights(problem, work.w);
-    const double close = sensitivity_closeness(&work, &certificate);
+    const double close = dlsi_border_width(problem, work.w, r, work.u, certificate.residual);
     if (freedom) dlsi_contact_touch(problem, work.u, close, work.state);
     dls_sensitivity s = {0};
     for (int c = 0; sensitivity && c < problem->nc; c++)
-      s.border += sensitivity_is_border(&work, c, close);
+      s.border += work.state[c] != dlsi_border_state(d, problem->mu[c], work.state[c],
+                                                     work.w + 2 * (size_t)c, r + d * c,
+                                                     work.u + d * c, close);
     work.rows = dlsi_branches_set(problem, work.state, r, work.u, work.branch);
     const size_t n = (size_t)work.rows;
     double *value = work.x + m, *lapack = value + m;

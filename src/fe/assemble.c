@@ -286,6 +286,45 @@ dls_status dls_fe_mass(const dls_fe_mesh *mesh, double rho, dls_fe_mass_kind kin
   return dlsi_at(__func__, status, error);
 }
 
+/* ---- derivatives ----------------------------------------------------------------------------- */
+
+/* Returns f^T k displacement of all elements, with moduli D. */
+static double assemble_form(const dls_fe_mesh *mesh, dlsi_lame D, const double *f,
+                            const double *displacement) {
+  const assembly a = {.mesh = mesh, .D = D};
+  double sum = 0;
+  for (int e = 0; e < dlsi_fe_elements(mesh); e++) {
+    int at[most_unknowns];
+    double k[most_unknowns * most_unknowns];
+    const int count = assemble_rows(&a, e, at);
+    assemble_element(&a, e, k);
+    for (int j = 0; j < count; j++)
+      for (int i = 0; i < count; i++)
+        sum += f[at[i]] * k[i + count * j] * displacement[at[j]];
+  }
+  return sum;
+}
+
+/* The moduli are linear in E, and d l / d nu = E (1 + 2 nu^2) / ((1 + nu) (1 - 2 nu))^2,
+ * d G / d nu = -E / (2 (1 + nu)^2). */
+dls_status dls_fe_material_gradient(const dls_fe_mesh *mesh, double E, double nu, const double *f,
+                                    const double *displacement, double *of_E, double *of_nu,
+                                    dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = assemble_check(mesh, E, nu, error);
+  const size_t all = status ? 0 : 2 * (size_t)mesh->nodes;
+  if (!status) status = dlsi_check_vector("f", f, all, error);
+  if (!status) status = dlsi_check_vector("displacement", displacement, all, error);
+  if (!status && !of_E) status = dlsi_is_null(error, "of_E");
+  if (!status && !of_nu) status = dlsi_is_null(error, "of_nu");
+  if (status) return dlsi_at(__func__, status, error);
+  const double a = 1 + nu, b = 1 - 2 * nu;
+  const dlsi_lame of = {.l = E * (1 + 2 * nu * nu) / (a * a * b * b), .G = -E / (2 * a * a)};
+  *of_E = -assemble_form(mesh, assemble_moduli(1, nu), f, displacement);
+  *of_nu = -assemble_form(mesh, of, f, displacement);
+  return DLS_OK;
+}
+
 /* ---- edge loads, stress ---------------------------------------------------------------------- */
 
 /* Checks the arguments of dls_fe_edge_load, which is called edge by edge: it looks at the two

@@ -35,7 +35,7 @@ static void say_storage(words *to, const dls_info *info) {
 static void say_regime(words *to, const dls_info *info) {
   static const char *const why[] = {
       [DLS_REGIME_ELASTIC] = "an elastic body, W regular: sweeps, then Newton's method",
-      [DLS_REGIME_FEW] = "few candidates, W by blocks: sweeps, then Newton's method",
+      [DLS_REGIME_FEW] = "few contacts, W by blocks: sweeps, Newton's method, momentum, pivots",
       [DLS_REGIME_PACKING] = "many bodies, W by blocks and singular: sweeps, then momentum in turn "
                              "with Newton's method",
       [DLS_REGIME_TIGHT] =

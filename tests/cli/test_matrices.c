@@ -272,6 +272,22 @@ START_TEST(mark_and_exponents) {
 }
 END_TEST
 
+/* Normals alone: as many frictions, all 0, as rows of W, or --dim=1. By hand: r = (0, 2),
+ * u = (1, 0). */
+START_TEST(normals_alone) {
+  static const char answer[] = "candidate,state,gap,r_n,u_n\n0,free,1,0,1\n1,stick,0,2,0\n";
+  put("W.txt", "2 1\n1 2\n");
+  put("q.txt", "-1\n-4\n");
+  put("mu.txt", "0\n0\n");
+  ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu @/mu.txt --csv @/out"), 0);
+  ck_assert_str_eq(get("out/r.csv"), answer);
+  ck_assert_int_eq(run("solve --dim=1 --W @/W.txt --q @/q.txt --csv @/out"), 0);
+  ck_assert_str_eq(get("out/r.csv"), answer);
+  ck_assert_int_eq(run("solve --dim=1 --W @/W.txt --q @/q.txt --mu .3"), 2);
+  ck_assert(strstr(output, "must be 0 where d = 1"));
+}
+END_TEST
+
 START_TEST(calculix) {
   put("job.sti", "1 1 3.0000000000000e+00\n1 2 1.0e0\n2 2 2.0e0\n");
   put("job.dof", "7.1\n7.2\n");
@@ -347,7 +363,8 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --HN @/N.txt --g @/three.txt", "--g:"},
       {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu @/three.txt", "must hold 1 or 1"},
       {"--stiffness @/K.txt --H @/K.txt --mu 0.1 --dim 3", "does not divide"},
-      {"--stiffness @/K.txt --H @/K.txt --mu 0.1 --dim 4", "is not 2 or 3"},
+      {"--stiffness @/K.txt --H @/K.txt --mu 0.1 --dim 4", "is not 1, 2 or 3"},
+      {"--stiffness @/K.txt --HN @/N.txt --dim 1", "--dim: 1 goes with --W"},
       {"--stiffness @/K.txt --nodes @/far.txt --mu 0.1", "no node 2"},
       {"--stiffness @/K.txt --nodes @/flat.txt --mu 0.1", "has no normal"},
       {"--stiffness @/K.txt --nodes @/f.txt --mu 0.1", "2 columns"},
@@ -420,7 +437,7 @@ END_TEST
 
 int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
-             ONCE(one_h_one_list_and_npy), ONCE(pipes), ONCE(mark_and_exponents), ONCE(calculix),
-             ONCE(free_body), ONCE(bad_matrices_are_2), ONCE(last_line),
-             ONCE(entries_of_all_sizes));
+             ONCE(one_h_one_list_and_npy), ONCE(pipes), ONCE(mark_and_exponents),
+             ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(bad_matrices_are_2),
+             ONCE(last_line), ONCE(entries_of_all_sizes));
 }

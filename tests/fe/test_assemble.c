@@ -351,8 +351,51 @@ START_TEST(series_bad_input) {
 }
 END_TEST
 
+/* f^T K x of triangles and quadrilaterals: its slopes by E and nu beside differences of K. */
+START_TEST(slopes_of_material) {
+  enum { all = 24 };
+  dls_fe_mesh mesh;
+  dls_error e;
+  double K[all * all], f[all], x[all], of_E = 7, of_nu = 7, form[4];
+  const double E = 3, nu = 0.3, h = 1e-5;
+  ck_assert_int_eq((_i ? dls_fe_mesh_quads : dls_fe_mesh_block)(&mesh, 2, 1, 3, 2, &e), DLS_OK);
+  for (int k = 0; k < all; k++) {
+    f[k] = cos(k);
+    x[k] = sin(3 * k);
+  }
+  for (int k = 0; k < 4; k++) {
+    ck_assert_int_eq(dls_fe_stiffness(&mesh, E * (1 + (k == 0) * h - (k == 1) * h),
+                                      nu + (k == 2) * h - (k == 3) * h, K, all, &e),
+                     DLS_OK);
+    form[k] = 0;
+    for (int j = 0; j < all; j++)
+      for (int i = 0; i < all; i++)
+        form[k] += f[i] * K[i + all * j] * x[j];
+  }
+  const char *const name = "dls_fe_material_gradient";
+  expect_error(dls_fe_material_gradient(NULL, E, nu, f, x, &of_E, &of_nu, &e), &e, DLS_E_ARGUMENT,
+               name, "mesh", -1);
+  expect_error(dls_fe_material_gradient(&mesh, 0, nu, f, x, &of_E, &of_nu, &e), &e, DLS_E_ARGUMENT,
+               name, "E", -1);
+  expect_error(dls_fe_material_gradient(&mesh, E, nu, NULL, x, &of_E, &of_nu, &e), &e,
+               DLS_E_ARGUMENT, name, "f", -1);
+  expect_error(dls_fe_material_gradient(&mesh, E, nu, f, NULL, &of_E, &of_nu, &e), &e,
+               DLS_E_ARGUMENT, name, "displacement", -1);
+  expect_error(dls_fe_material_gradient(&mesh, E, nu, f, x, NULL, &of_nu, &e), &e, DLS_E_ARGUMENT,
+               name, "of_E", -1);
+  expect_error(dls_fe_material_gradient(&mesh, E, nu, f, x, &of_E, NULL, &e), &e, DLS_E_ARGUMENT,
+               name, "of_nu", -1);
+  ck_assert(of_E == 7 && of_nu == 7);
+  ck_assert_int_eq(dls_fe_material_gradient(&mesh, E, nu, f, x, &of_E, &of_nu, &e), DLS_OK);
+  ck_assert_double_eq_tol(of_E, -(form[0] - form[1]) / (2 * h * E), 1e-9 * fabs(of_E));
+  ck_assert_double_eq_tol(of_nu, -(form[2] - form[3]) / (2 * h), 1e-7 * fabs(of_nu));
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
 int main(void) {
   return RUN("assemble", make_folder, remove_folder, EACH(sparse_is_dense, 3, 5),
              EACH(numbered, 0, 6), EACH(mass_of_a_rectangle, 0, 4), ONCE(mass_by_hand),
-             ONCE(quad_patch), ONCE(bad_input), ONCE(series), ONCE(series_bad_input));
+             ONCE(quad_patch), EACH(slopes_of_material, 0, 2), ONCE(bad_input), ONCE(series),
+             ONCE(series_bad_input));
 }

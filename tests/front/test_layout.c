@@ -161,6 +161,7 @@ START_TEST(constants_have_their_values) {
   ck_assert_int_eq(value_of("DLS_OK"), DLS_OK);
   ck_assert_int_eq(value_of("DLS_E_CALLBACK"), DLS_E_CALLBACK);
   ck_assert_int_eq(value_of("DLS_E_BUSY"), DLS_E_BUSY);
+  ck_assert_int_eq(value_of("DLS_E_NO_DERIVATIVE"), DLS_E_NO_DERIVATIVE);
   ck_assert_int_eq(value_of("DLS_LDLT"), DLS_LDLT);
   ck_assert_int_eq(value_of("DLS_HOMOTOPY"), DLS_HOMOTOPY);
   ck_assert_int_eq(value_of("DLS_STAGES_MAX"), DLS_STAGES_MAX);

@@ -233,6 +233,143 @@ class Solve(unittest.TestCase):
         self.assertIn("tol", caught.exception.argument)
 
 
+class Derivatives(unittest.TestCase):
+    def differences(self, answer, size, h=1e-4):
+        """Returns d answer / dh at 0 by two central differences, extrapolated."""
+        one, two = ((answer(k) - answer(-k)) / (2 * k) for k in (h, h / 2))
+        np.testing.assert_allclose(one, two, atol=1e-4 * size)
+        return two + (two - one) / 3
+
+    def test_of_W(self):
+        random = np.random.default_rng(4)
+        for d in (1, 2, 3):
+            W, q = coupled(d, 8, skew=0.1)
+            mu = 0 * np.arange(8) if d == 1 else 0.1 + 0.05 * np.arange(8)
+            dW, dq, dmu = W * random.random(W.shape), random.random(q.shape), mu * random.random(8)
+
+            def answer(h):
+                s = delassus.solve(W + h * dW, q + h * dq, mu + h * dmu, d=d, tol=1e-13)
+                return np.concatenate((s.proof.improved, s.u))
+
+            s = delassus.solve(W, q, mu, d=d, tol=1e-13)
+            D, size = self.differences(answer, 1), np.linalg.norm(answer(0))
+            moved = s.jvp(q=dq, mu=dmu, W=dW)
+            self.assertIsNone(moved.x)
+            np.testing.assert_allclose(np.concatenate(moved[:2]), D, atol=1e-7 * size)
+            r, u = random.random(q.shape), random.random(q.shape)
+            expected = np.sum(r * moved.r + u * moved.u)
+            for matrix in (W, sp.csr_matrix(W)):
+                t = delassus.solve(matrix, q, mu, d=d, tol=1e-13)
+                g = t.vjp(r, u)
+                self.assertIsNone(g.f)
+                change = g.W.multiply(dW).sum() if sp.issparse(matrix) else np.sum(g.W * dW)
+                self.assertAlmostEqual(np.sum(g.q * dq) + g.mu @ dmu + change, expected, 9)
+            np.testing.assert_array_equal(pickle.loads(pickle.dumps(s)).vjp(r, u).q,
+                                          s.vjp(r, u).q)
+
+    def test_of_rigid_bodies(self):
+        random = np.random.default_rng(5)
+        body, H = np.array([[0, -1], [0, 1], [1, -1]]), random.random((3, 2, 2, 3)) - 0.5
+        dH, q = random.random(H.shape), [[-1, 0.2], [-1, 0.1], [-1, -0.3]]
+        s = delassus.solve((body, H), q, 0.3, tol=1e-13)
+        D = self.differences(lambda h: delassus.solve((body, H + h * dH), q, 0.3, tol=1e-13)
+                             .proof.improved, 10, 1e-5)
+        moved = s.jvp(W=dH)
+        np.testing.assert_allclose(moved.r, D, atol=1e-6 * np.linalg.norm(D))
+        g = s.vjp(r=np.ones((3, 2)))
+        self.assertAlmostEqual(np.sum(g.W * dH), moved.r.sum(), 9)
+        self.assertEqual(np.linalg.norm(g.W[0, 1]), 0)  # a fixed body
+
+    def test_of_a_body(self):
+        random = np.random.default_rng(6)
+        for on in ("W", "K"):
+            K, HN, HT = chain(40)
+            f = np.where(np.arange(40) % 2, -1.0, 0.3) + 0.1 * random.random(40)
+            df, dg, dmu = random.random(40), random.random((10, 2)), random.random(10)
+            dK = K.copy()
+            dK.data = K.data * 0.1
+            dK = dK + sp.diags(0.1 * random.random(40)).tocsc()
+            R = delassus.reduce(K, HN, HT, on=on)
+            s = R.solve(0.3, f=f, tol=1e-13)
+            moved = s.jvp(f=df, g=dg, mu=dmu, K=dK)
+
+            def answer(h):
+                t = delassus.reduce(K + h * dK, HN, HT, on=on)
+                return t.solve(0.3 + h * dmu, f=f + h * df, g=h * dg, tol=1e-13).x
+
+            np.testing.assert_allclose(moved.x, self.differences(answer, 10, 1e-5),
+                                       atol=1e-6 * np.linalg.norm(moved.x))
+            r, u, x = random.random((10, 2)), random.random((10, 2)), random.random(40)
+            g = s.vjp(r, u, x)
+            self.assertIsNone(g.q)
+            self.assertEqual(g.K.nnz, K.nnz)
+            self.assertAlmostEqual(
+                g.f @ df + np.sum(g.g * dg) + g.mu @ dmu + g.K.multiply(dK).sum(),
+                np.sum(r * moved.r + u * moved.u) + x @ moved.x, 8)
+            R.load(2 * f)
+            np.testing.assert_array_equal(s.vjp(r, u, x).f, g.f)
+            with self.assertRaisesRegex(ValueError, "another load"):
+                s.vjp(r, side=0)
+            R.update(K, HN, HT)
+            with self.assertRaisesRegex(ValueError, "another load or K"):
+                s.vjp(r, u, x)
+            with self.assertRaisesRegex(ValueError, "pickled"):
+                pickle.loads(pickle.dumps(s)).vjp(r)
+
+    def test_none(self):
+        s = delassus.solve(np.eye(2), [-1.0, 0.5], [0.5])  # r_t = -0.5 = -mu r_n, u_t = 0
+        with self.assertRaisesRegex(delassus.NoDerivativeError, "stick and slip") as caught:
+            s.vjp([1, 0])
+        self.assertEqual((caught.exception.index, caught.exception.argument), (0, "contact"))
+        self.assertIsInstance(caught.exception, ArithmeticError)
+        np.testing.assert_array_equal(s.jvp(q=[0, 1], side=0).r, [[0, -1]])
+        np.testing.assert_array_equal(s.jvp(q=[0, 1], side=1).r, [[0, 0]])
+        two = delassus.solve(np.kron(np.ones((2, 2)), np.eye(2)), [-1.0, 0, -1, 0], [0.5, 0.5])
+        self.assertRaises(delassus.NoDerivativeError, two.vjp, [1, 0, 0, 0])
+        for arguments in ({"x": [1]}, {"r": [1]}, {"r": "a"}, {"side": 2}):
+            self.assertRaises(ValueError, s.vjp, **{"side": 0, **arguments})
+        for arguments in ({"f": [1]}, {"K": np.eye(2)}, {"W": np.eye(3)}, {"q": [1]}):
+            self.assertRaises(ValueError, s.jvp, side=0, **arguments)
+
+
+try:
+    import torch
+except ImportError:
+    torch = None
+
+
+class Torch(unittest.TestCase):
+    def check(self, function, *tensors):
+        tensors = [torch.tensor(t, dtype=torch.float64, requires_grad=True) for t in tensors]
+        self.assertTrue(torch.autograd.gradcheck(function, tensors, eps=1e-6, atol=1e-6, rtol=1e-6))
+
+    def test_layers(self):
+        if torch is None:
+            print("skipped: delassus.torch, no torch (Debian: python3-torch)")
+            self.assertRaises(ImportError, __import__, "delassus.torch")
+            return
+        from delassus.torch import NotSolvedError, solve, solve_body
+
+        W, q = coupled(3, 6)
+        self.check(lambda W, q, mu: solve(W, q, mu, tol=1e-13), W / 18 + np.eye(18), q - 0.5,
+                   0.2 + 0.1 * np.arange(6))
+        self.check(lambda mu: solve(W, q, mu, tol=1e-13), 0.3)
+        K, HN, HT = POINT
+        self.check(lambda a, f, g, mu: solve_body(a @ a.T, f, g, mu, HN=HN, HT=HT, tol=1e-13),
+                   np.linalg.cholesky(K), [5, -10], [[0.1, 0]], [0.2])
+        R = delassus.reduce(K, HN, HT)
+        self.check(lambda f, mu: solve_body(R, f, None, mu, tol=1e-13), [5, -10], [0.2])
+        load = torch.tensor([5.0, -10.0], requires_grad=True)  # single precision
+        solve_body(R, load, None, 0.2)[2].sum().backward()
+        np.testing.assert_allclose(load.grad.numpy(), [0.3125, 0.0625], rtol=1e-6)
+        q = torch.tensor([-1, 0.5], dtype=torch.float64, requires_grad=True)
+        r, _ = solve(np.eye(2), q, [0.5])
+        self.assertRaises(delassus.NoDerivativeError, r.sum().backward)
+        solve(np.eye(2), q, [0.5], side=0)[0].sum().backward()
+        np.testing.assert_array_equal(q.grad.numpy(), [-1, -1])
+        self.assertRaises(NotSolvedError, solve, np.eye(2) * -1, [-1.0, 0.5], [0.5])
+
+
 class Reduce(unittest.TestCase):
     def test_every_operator(self):
         K, HN, HT = POINT  # docs/tour.md

@@ -151,6 +151,30 @@ START_TEST(cancelled) {
 }
 END_TEST
 
+/* A factorisation that would take more than the sweeps it saves is not begun, (AR11). */
+START_TEST(too_much_fill) {
+  const dls_limits limits = {.tol = 1e-8};
+  structure s = build("balls-rest", 8000, 0.5);
+  dls_info info;
+  ck_assert_int_eq(rest(&s, &limits, &info), DLS_STALLED);
+  ck_assert_int_eq(info.factorisations, 0);
+  ck_assert_int_eq(info.iterations, 0);
+  tear_down(&s);
+}
+END_TEST
+
+/* The time is over before the first factorisation is done. */
+START_TEST(time_is_over_in_a_factorisation) {
+  const dls_limits limits = {.tol = 1e-8, .cpu_seconds = 1e-4};
+  structure s = build("wall3-rest", 3200, 0.5);
+  dls_info info;
+  ck_assert_int_eq(rest(&s, &limits, &info), DLS_TIME_LIMIT);
+  ck_assert_int_eq(info.factorisations, 1);
+  ck_assert_int_eq(info.iterations, 0);
+  tear_down(&s);
+}
+END_TEST
+
 START_TEST(failing_mallocs) {
   const dls_limits limits = {.tol = 1e-8};
   structure s = build(_i ? "chain" : "wall-pushed", 200, 0.5);
@@ -196,5 +220,6 @@ int main(void) {
   if (!WITH_MUMPS) return RUN("rest", NULL, NULL, ONCE(without_dissection));
   return RUN("rest", NULL, NULL, EACH(structures, 0, 10), EACH(near_the_limit, 0, 2), ONCE(slides),
              ONCE(units_and_smooth_candidates), EACH(not_its_problem, 0, 2), ONCE(cancelled),
+             ONCE(too_much_fill), ONCE(time_is_over_in_a_factorisation),
              EACH(failing_mallocs, 0, 2), EACH(stage_of_auto, 0, 2));
 }

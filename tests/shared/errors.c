@@ -43,6 +43,7 @@ static const char *const of_an_entry[] = {
     "does not ascend",
     "does not follow",
     "a connected part",
+    "at the border of",
     "no unknown of an element",
     "edge of no finite length",
     "entries of one place",

@@ -6,14 +6,15 @@
 from typing import List
 
 from ._library import VERSION as __version__
-from ._library import (Error, InputError, OutOfMemoryError, SingularError, StateError,
-                       UnsupportedError, constants)
+from ._library import (Error, InputError, NoDerivativeError, OutOfMemoryError, SingularError,
+                       StateError, UnsupportedError, constants)
 from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
+from .derivative import Gradient, Moved
 from .motion import Motion, NotCertified
 from .reduction import Reduction, reduce
 
-__all__ = ["Certificate", "Error", "InputError", "Motion", "NotCertified", "OutOfMemoryError",
-           "Progress", "Proof", "Reduction", "SingularError", "Solution", "Stage", "StateError",
+__all__ = ["Certificate", "Error", "Gradient", "InputError", "Motion", "Moved",
+           "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Progress", "Proof", "Reduction", "SingularError", "Solution", "Stage", "StateError",
            "UnsupportedError", "__version__", "certify", "constants", "reduce", "solve"]
 
 

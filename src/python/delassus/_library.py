@@ -96,6 +96,8 @@ _USED = {
                               "progress_data",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
                           "modes joints redundant",
+    "dls_derive_data": "mu q W f g K",
+    "dls_derive_answer": "r u x",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
     "dls_motion_settings": "limits size law method h theta restitution activation forecast "
                            "stabilize",
@@ -198,6 +200,11 @@ _SIGNATURES = {
     "dls_contact_misfits": (c_int, "ppppp"),
     "dls_contact_prove": (c_int, "ppppp"),
     "dls_contact_freedom": (c_int, "pppp"),
+    "dls_derive_create": (c_int, "pppip"),
+    "dls_derive_create_body": (c_int, "pppppip"),
+    "dls_derive_vjp": (c_int, "pppp"),
+    "dls_derive_jvp": (c_int, "pppp"),
+    "dls_derive_destroy": (None, "p"),
     "dls_solve": (c_int, "pppppp"),
     "dls_reduction_create_either": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),
@@ -275,7 +282,13 @@ class StateError(Error, RuntimeError):
     """A callback failed, or another call is at work on the object."""
 
 
-_KINDS = {"DLS_E_MEMORY": OutOfMemoryError, "DLS_E_NOT_POSITIVE_DEFINITE": SingularError,
+class NoDerivativeError(Error, ArithmeticError):
+    """The solution has no derivative: a contact, `index`, is on the border of two states, or the
+    reactions are not determined."""
+
+
+_KINDS = {"DLS_E_NO_DERIVATIVE": NoDerivativeError, "DLS_E_MEMORY": OutOfMemoryError,
+          "DLS_E_NOT_POSITIVE_DEFINITE": SingularError,
           "DLS_E_SINGULAR": SingularError, "DLS_E_UNSUPPORTED": UnsupportedError,
           "DLS_E_CALLBACK": StateError, "DLS_E_BUSY": StateError}
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ctypes
 import threading
 from ctypes import byref, c_int, c_size_t
-from typing import Any, Callable, NamedTuple, Tuple, Union
+from typing import Any, Callable, Dict, NamedTuple, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
+from .derivative import Change, Derivative, Gradient, Moved
 from ._library import (Array, Callback, Matrix, Vector, address, call, columns, constants, dense,
                        entries, integers, lib, number, reals, structs, vector, whole)
 
@@ -116,6 +117,7 @@ class Solution:
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     proof        a Proof of r, made when it is first asked for, of the arrays as they are then; None
                  where a reduction or a motion solved
+    vjp(), jvp() derivatives, of the arrays as they are at the first call
     """
 
     def __init__(self, problem: Any, info: Any, status: int, r: Vector, u: Vector,
@@ -143,6 +145,9 @@ class Solution:
         self._source: Tuple[Any, ...] | None = None
         self._proof: Proof | None = None
         self._freedom: int | None = None
+        # side -> Derivative; of a reduction: makes one, or says that the reduction has moved on
+        self._derivatives: Dict[int, Derivative] = {}
+        self._of_body: Callable[[Solution, int, Derivative | None], Derivative] | None = None
         state = (c_int * max(nc, 1))()
         if nc and body is not None:
             call("dls_reduction_states", *body[:2], address(r), address(u), state)
@@ -173,6 +178,42 @@ class Solution:
             del kept
             self._freedom = count.value
         return self._freedom
+
+    def __getstate__(self) -> Dict[str, Any]:  # derivatives own memory of the library
+        return {**self.__dict__, "_derivatives": {}, "_of_body": None}
+
+    def _derivative(self, side: int | None) -> Derivative:
+        side = -1 if side is None else whole("side", side)
+        made = self._derivatives.get(side)
+        if self._of_body is not None:
+            made = self._of_body(self, side, made)
+        elif made is None:
+            if self._source is None:
+                raise ValueError("no derivatives of a motion, nor of a pickled body")
+            problem, kept = _problem(*self._source)
+            W = self._source[0]
+            made = Derivative("dls_derive_create", byref(problem), address(self.r), side,
+                              d=problem.d, nc=problem.nc, r=self.r, kept=(problem, kept),
+                              matrix=kept[2:] if problem.bodies.H else W)
+        self._derivatives[side] = made
+        return made
+
+    def vjp(self, r: Array | None = None, u: Array | None = None, x: Array | None = None, *,
+            side: int | None = None) -> Gradient:
+        """Returns the Gradient, dL/d(data), of a loss L with dL/dr = r, dL/du = u and, where a
+        reduction solved, dL/dx = x. The first call factors a matrix, the next ones solve with it.
+
+        A NoDerivativeError says that a contact is on the border of two states, where the solution
+        has a kink (side=0: the derivative of the higher state, stick rather than slip, closed
+        rather than free; side=1: of the lower one), or that r is not determined."""
+        return self._derivative(side).vjp(r, u, x)
+
+    def jvp(self, q: Array | None = None, mu: Array | None = None, W: Change | None = None,
+            f: Array | None = None, g: Array | None = None, K: Matrix | None = None, *,
+            side: int | None = None) -> Moved:
+        """Returns how r, u (and x) change with the data: q, mu and W, or f, g, mu and K where a
+        reduction solved; None: not at all. As vjp."""
+        return self._derivative(side).jvp(q, mu, W, f, g, K)
 
     def __repr__(self) -> str:
         return (f"<{self.words}: {len(self.r)} candidates, {self.method}, "

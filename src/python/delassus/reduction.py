@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from ._library import (Array, Callback, Error, Matrix, Owner, Vector, address, call, columns, constants, dense, entries,
                        integers, lib, read, reals, set_fields, sparse, structs, vector)
 from .contact import Progress, Solution, Watch, solve_problem
+from .derivative import Derivative
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
 
@@ -111,7 +112,8 @@ class Reduction(Owner):
         self._watch.set(create)
         self._host.solve = solve
         self._call("dls_reduction_create_either", byref(self._held), byref(model), byref(create))
-        del kept  # the library has copied it
+        self._matrix = kept[0]  # for the pattern of dL/dK; the library has copied it
+        self._loaded = self._updated = 0  # counts loads and updates
         # the sizes that the library holds: no update changes them
         self.d: int = model.d
         self.n: int = model.n
@@ -174,17 +176,21 @@ class Reduction(Owner):
         other sizes or another pattern the reduction is as it was."""
         model, kept, solve = self._model(K, HN, HT)
         before, self._host.solve = self._host.solve, solve
+        self._loaded += 1
+        self._updated += 1
         self._call("dls_reduction_update", self._held, byref(model), solve=before)
-        del kept
+        self._matrix = kept[0]
 
     def load(self, f: Array | None = None, g: Array | None = None) -> None:
         """Takes loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
         f, g = self._loads(f, g)
+        self._loaded += 1
         self._call("dls_reduction_load", self._held, address(f), address(g))
 
     def load_free(self, x_free: Array | None, g: Array | None = None) -> None:
         """Takes K^-1 f instead of f, from a host that has it."""
         x_free, g = self._loads(x_free, g)
+        self._loaded += 1
         self._call("dls_reduction_load_free", self._held, address(x_free), address(g))
 
     def _loads(self, f: Any, g: Any) -> tuple[Vector | None, Vector | None]:
@@ -216,6 +222,20 @@ class Reduction(Owner):
         finally:
             self._host.callback.end()
         solution.x = x
+        loaded, updated = self._loaded, self._updated
+
+        def derivative(of: Solution, side: int, made: Derivative | None) -> Derivative:
+            if made is not None and self._updated == updated:
+                return made
+            if self._loaded != loaded:
+                raise ValueError("the reduction has taken another load or K since this solution")
+            assert of.x is not None
+            return Derivative(
+                "dls_derive_create_body", self._held, address(mu), address(of.r), address(of.x),
+                side, d=self.d, nc=self.candidates, r=of.r, x=of.x.copy(), matrix=self._matrix,
+                nodes=(self._nodes, self.d), kept=(self, mu))
+
+        solution._of_body = derivative
         return solution
 
     def _contact(self, mu: Any) -> tuple[Any, Vector | None]:

@@ -4,10 +4,11 @@
  * The dense one is scaled by powers of two, so that the largest entry of each row and column is
  * near 1 and pivots do not depend on units. A pivot below 1e-14 is rounding: singular.
  */
+#include "linear/general.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include "global_internal.h"
 #include "linear/equilibrate.h"
 
 enum { dense_limit = 250, largest_dense = 8000 };
@@ -66,12 +67,19 @@ dls_status dlsi_general_factor(dlsi_general *work, const dlsi_triplets *t, dls_e
   return status;
 }
 
-dls_status dlsi_general_solve(dlsi_general *work, double *x, dls_error *error) {
+dls_status dlsi_general_solve(const dlsi_general *work, int transposed, double *x,
+                              dls_error *error) {
   const size_t n = (size_t)work->n;
-  if (!work->dense) return dlsi_sparse_lu_solve(work->lu, x, error);
-  dlsi_scale_rows(work->scale, n, x, 1);
-  dlsi_dense_solve(&work->of, x, work->n, 1);
-  dlsi_scale_rows(work->scale + n, n, x, 1);
+  const double *R = work->scale, *C = R + n; /* R A C is factored */
+  if (!work->dense)
+    return (transposed ? dlsi_sparse_lu_solve_transposed : dlsi_sparse_lu_solve)(work->lu, x,
+                                                                                 error);
+  dlsi_scale_rows(transposed ? C : R, n, x, 1);
+  if (transposed)
+    dlsi_dense_solve_transposed(&work->of, x);
+  else
+    dlsi_dense_solve(&work->of, x, work->n, 1);
+  dlsi_scale_rows(transposed ? R : C, n, x, 1);
   return DLS_OK;
 }
 

@@ -1,0 +1,82 @@
+/*
+ * constants.h: every number that steers auto, in one table: its value, its unit, and the reason for
+ * it. Powers of ten and round numbers throughout: none is tuned to more than a factor of 2.
+ *
+ * The command that measures a constant solves generated problems with another value of it:
+ *
+ *   bench/constants.sh [NAME...]       each of them, halved and doubled: bench/results/constants.md
+ *   make bench-auto BENCH=--price      those of the cost model, group 3, beside measured costs
+ *
+ * Constants of a method stand in the file of the method; limits of the caller in
+ * dls_solver_settings.
+ */
+#ifndef DLSI_AUTO_CONSTANTS_H
+#define DLSI_AUTO_CONSTANTS_H
+
+/* clang-format off */
+
+/* ---- 1. Regimes and what is open to them: sizes (regime.c, apart.c, alone.c, verdict.c) ------ */
+enum {                             /* unit      reason */
+  dlsi_auto_alone_most      = 20,  /* contacts  more take so long that a workspace costs nothing */
+  dlsi_auto_apart_least     = 30,  /* contacts  fewer are solved before the proofs are through */
+  dlsi_auto_few             = 100, /* contacts  W by blocks: more are a packing */
+  dlsi_auto_many            = 1000,/* contacts  more are not swept with Anderson alone */
+  dlsi_auto_split_least     = 100, /* rows      fewer are solved before ADMM has its factors */
+  dlsi_auto_rest_least      = 150, /* rows      the same of the convex problem */
+  dlsi_auto_small           = 300, /* rows      1000 factorisations take some seconds: searches */
+  dlsi_auto_large           = 3000,/* rows      more: no second method from r = 0, no late table */
+  dlsi_auto_early_rows      = 400, /* LCP rows  its table stays in the cache: pivots before sweeps
+                                                go on */
+  dlsi_auto_loose_blocks    = 4,   /* blocks a contact, its own included: factors cost few sweeps */
+  dlsi_auto_sure_contacts   = 2    /* contacts, d = 3, all of whose states the steps cover */
+};
+
+/* ---- 2. Plans: iterations (plan.c) ---------------------------------------------------------- */
+enum {
+  dlsi_auto_splits          = 200, /* ADMM, before Newton again or pivots: more cost more */
+  dlsi_auto_cold_splits     = 2000,/* ADMM from r = 0 */
+  dlsi_auto_settle_splits   = 20000,/* ADMM near an answer, up to 300 rows: a second or two */
+  dlsi_auto_long_pushes     = 2000,/* momentum: before pivots, the augmented Lagrangian, ... */
+  dlsi_auto_short_pushes    = 500, /* ... and after Newton */
+  dlsi_auto_all_pushes      = 1000000,/* momentum, packings: it ends by itself */
+  dlsi_auto_most_failures   = 5    /* failures that count: each doubles patience; a copy
+                                      begins with so many */
+};
+
+/* ---- 3. The cost model (price.c), in sweeps with Anderson's acceleration --------------------- */
+enum {
+  dlsi_auto_usual_splits    = 50,  /* sweeps: all of ADMM where m = k and mu <= 1 */
+  dlsi_auto_most_of_step    = 50   /* sweeps: a step of Newton, before fill */
+};
+static const double dlsi_auto_few_filled  = 6000; /* unknowns, 3D by blocks: more have fill */
+static const double dlsi_auto_step_sweeps = 1.5;  /* sweeps: a step on kept factors */
+
+/* ---- 4. The forecast (forecast.c) ----------------------------------------------------------- */
+enum {
+  dlsi_auto_look_every      = 5,   /* sweeps from look to look */
+  dlsi_auto_first_sweeps    = 10,  /* sweeps before a forecast is believed, ... */
+  dlsi_auto_first_of_few    = 60,  /* ... of few contacts by blocks: a sweep costs nothing there */
+  dlsi_auto_ahead           = 100, /* sweeps ahead: the convex problem or momentum takes fewer */
+  dlsi_auto_first_patience  = 4,   /* steps of Newton without progress, at least ... */
+  dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton.c */
+};
+static const double dlsi_auto_unsorted  = .05;  /* residual: above, few states are the answer's */
+static const double dlsi_auto_far_start = .25;  /* residual of a warm start with many new states */
+static const double dlsi_auto_push_near = 1e-5; /* residual: above, Newton fails on packings */
+static const double dlsi_auto_near_most = 100;  /* times tol: an answer may lie beside such an r */
+
+/* ---- 5. Rest, warm solves, accuracy, verdicts ------------------------------------------------ */
+enum { dlsi_auto_accurate_turns = 3 };            /* smaller tolerances, one after another */
+static const double dlsi_auto_share_outside = .1; /* of -q outside of the cones: may be at rest */
+static const double dlsi_auto_share_left = .6;    /* of the contacts: with more, no copy pays */
+static const double dlsi_auto_forgotten = .98;    /* of the cost expected, a solve without (SQ2) */
+static const double dlsi_auto_firm = 1e4;         /* friction: larger ones are this on a copy */
+static const double dlsi_auto_accurate = 1e-4;    /* relative error of r that needs no word */
+static const double dlsi_auto_directions = 12;    /* W carried by fewer may hide an error (AC1) */
+static const double dlsi_auto_look_part = .05;    /* of a solve, for the look at other answers */
+static const double dlsi_auto_another = 1e-3;     /* difference of two answers, of the largest r */
+static const double dlsi_auto_runs_away = 1e-10;  /* |D^-1 W delta| of |delta|: W delta is 0 */
+
+/* clang-format on */
+
+#endif
