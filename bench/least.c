@@ -97,8 +97,8 @@ static void least_scene(void *data, const scene *s) {
 /* ---- tables and arches ----------------------------------------------------------------------- */
 
 /* W = H^T H and q = H^T f of `motions` rows of H, scaled by M^-1/2. */
-static void judge(int d, int nc, int motions, const double *H, const double *f, double friction,
-                  least_set *set) {
+static void judge_rigid(int d, int nc, int motions, const double *H, const double *f,
+                        double friction, least_set *set) {
   const size_t m = (size_t)d * (size_t)nc, n = (size_t)motions;
   double *W = calloc(m * m + m + (size_t)nc, sizeof *W), *q = W + m * m, *mu = q + m;
   if (!W) return;
@@ -131,7 +131,7 @@ static void judge_table(int legs, least_set *set) {
       h[3 + (e + 1) % 3] = turn * p[(e + 2) % 3];
     }
   }
-  judge(3, legs, 6, H, f, 0.5, set);
+  judge_rigid(3, legs, 6, H, f, 0.5, set);
 }
 
 static void judge_arch(int bodies, least_set *set) {
@@ -159,7 +159,7 @@ static void judge_arch(int bodies, least_set *set) {
       }
     }
   }
-  judge(2, 2 * (bodies + 1), n, H, f, 0.7, set);
+  judge_rigid(2, 2 * (bodies + 1), n, H, f, 0.7, set);
 }
 
 int main(int argc, char **argv) {

@@ -47,7 +47,8 @@ static double mean_compliance(const dls_contact *p, int c) {
   return sum / d;
 }
 
-/* dq, column j := d r / d q_j; dmu := d r / d mu, all mu > 0 raised together. change: scratch, m. */
+/* dq, column j := d r / d q_j; dmu := d r / d mu, all mu > 0 raised together. change: m,
+ * scratch. */
 static dls_status find_influence(const influence *of, double *change, dls_error *error) {
   const dls_contact *p = of->contact;
   const size_t m = (size_t)p->d * (size_t)p->nc;

@@ -59,8 +59,8 @@ static void add_contact(scene *s, int a, int b, double x, double y, double z, do
 }
 
 /* h (6) := the motion of `body` by a unit force e at p, times M^-1/2. */
-static void move(const scene *s, int body, const double *p, const double *e, double sign,
-                 double *h) {
+static void push_body(const scene *s, int body, const double *p, const double *e, double sign,
+                      double *h) {
   double r[3];
   for (int i = 0; i < 3; i++)
     r[i] = p[i] - s->at[body][i];
@@ -95,7 +95,7 @@ static void form(scene *s, const int *from) {
         const double of3[3][3] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
         double *h = s->H + n * d * (2 * c + side) + n * i;
         if (body < 0) continue;
-        move(s, body, s->point[c], d == 2 ? of2[i] : of3[i], side ? -1 : 1, h);
+        push_body(s, body, s->point[c], d == 2 ? of2[i] : of3[i], side ? -1 : 1, h);
         for (int k = 0; k < n; k++) {
           const double by = k < d ? s->mass[body] : s->inertia[body];
           s->q[d * c + i] += h[k] * s->force[body][k] / sqrt(by);
