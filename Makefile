@@ -137,6 +137,8 @@ help:
 	@echo 'make check-install   examples built and run from an installed tree alone'
 	@echo 'make check-packages  wheel, source package and editable install of Python without network; mypy'
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
+	@echo 'make docs        the guide as HTML with a search, build/docs/html (Doxygen)'
+	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
 	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
@@ -278,7 +280,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install check-links check-docs QUICK=--quick
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
@@ -375,7 +377,7 @@ check-cross:
 # processors; MPI; sanitizers; ten minutes of fuzz for each target. Hours. The first failure ends it, and is named
 .PHONY: check-all
 CHECK_ALL = check 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
-  'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian
+  'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian check-docs
 check-all:
 	@$(DEPS) checks debian languages mpi pictures
 	@for part in $(CHECK_ALL); do echo "check-all: make $$part"; \
@@ -503,7 +505,7 @@ $(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c folder.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
@@ -588,14 +590,31 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
+MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile)
+# problems that the guide solves
+DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
+# the pages of the guide; the others are about the source
+GUIDE := $(filter-out docs/contributing.md docs/decisions.md docs/source.md,$(wildcard docs/*.md))
 ZSHDIR ?= $(DATADIR)/zsh/site-functions
 FISHDIR ?= $(DATADIR)/fish/vendor_completions.d
 FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|'
 
+# the guide as HTML with a search, $(BUILD)/docs/html/index.html; installed by `make install` once it is there
+.PHONY: docs docs-html
+docs:
+	@$(DEPS) docs
+	@$(MAKE) --no-print-directory docs-html
+	@python3 tests/guide.py $(BUILD)/docs/html $(BUILD)
+	@python3 tests/links.py $(BUILD)/docs/html include
+docs-html:
+	@mkdir -p $(BUILD)/docs
+	@{ cat docs/Doxyfile; echo 'PROJECT_NUMBER = $(VERSION)'; echo 'OUTPUT_DIRECTORY = $(BUILD)/docs'; \
+	  echo 'INPUT = $(GUIDE) examples/README.md $(wildcard include/*.h include/delassus/*.h)'; } | doxygen -
+
 .PHONY: install
 install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	install -d $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/pkgconfig $(LIBDIR)/cmake/delassus $(PREFIX)/bin \
-	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(ZSHDIR) $(FISHDIR) $(DOCDIR)/examples $(DOCDIR)/pictures)
+	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(ZSHDIR) $(FISHDIR) $(DOCDIR)/examples/python $(DOCDIR)/docs/pictures)
 	install -m 644 include/delassus.h $(DESTDIR)$(INCLUDEDIR)/
 	install -m 644 $(filter include/delassus/%,$(HEADERS)) $(DESTDIR)$(INCLUDEDIR)/delassus/
 	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(INCLUDEDIR)/
@@ -608,23 +627,28 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	$(FILL) src/delassus-files.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus-files.pc
 	$(FILL) src/delassus-config.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config.cmake
 	$(FILL) src/delassus-config-version.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config-version.cmake
-	docs/man.sh 1 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/delassus.1
-	docs/man.sh 3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
+	for page in $(MAN1); do docs/man.sh $$page $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/$$page || exit 1; done
+	docs/man.sh delassus.3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
 	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
 	install -m 644 src/cli/completion.zsh $(DESTDIR)$(ZSHDIR)/_delassus
 	install -m 644 src/cli/completion.fish $(DESTDIR)$(FISHDIR)/delassus.fish
-	install -m 644 README.md CHANGELOG.md LICENSE docs/*.md docs/*.png $(DESTDIR)$(DOCDIR)/
-	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/pictures/
+	for folder in $(sort $(dir $(DATA))); do install -d $(DESTDIR)$(DOCDIR)/$$folder; done
+	for page in README.md CHANGELOG.md examples/README.md data/failures/README.md $(GUIDE); do \
+	  awk -f docs/installed.awk $$page > $(DESTDIR)$(DOCDIR)/$$page && chmod 644 $(DESTDIR)$(DOCDIR)/$$page || exit 1; done
+	install -m 644 LICENSE $(DESTDIR)$(DOCDIR)/
+	install -m 644 docs/*.png $(DESTDIR)$(DOCDIR)/docs/
+	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/docs/pictures/
 	install -m 644 examples/*.c examples/*.cpp examples/*.f90 examples/*.py $(DESTDIR)$(DOCDIR)/examples/
-	install -d $(DESTDIR)$(DOCDIR)/examples/python
-	install -m 644 examples/python/* $(DESTDIR)$(DOCDIR)/examples/python/
+	for file in $(DATA); do install -m 644 $$file $(DESTDIR)$(DOCDIR)/$$file || exit 1; done
+	install -m 644 $(filter-out %.md,$(wildcard examples/python/*)) $(DESTDIR)$(DOCDIR)/examples/python/
+	if [ -f $(BUILD)/docs/html/index.html ]; then cp -r $(BUILD)/docs/html $(DESTDIR)$(DOCDIR)/; fi
 
 # what install has written, of this version
 .PHONY: uninstall
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-files.a libdelassus-fe.a libdelassus-mpi.a \
 	  $(foreach so,$(notdir $(SO) $(FILES_SO)),$(so) $(so).$(SOVERSION) $(so).$(VERSION)) pkgconfig/delassus.pc pkgconfig/delassus-files.pc) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
-	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
+	  $(addprefix $(DATADIR)/man/man1/,$(MAN1)) $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
 	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
@@ -641,6 +665,18 @@ check-packages: $(SO)
 .PHONY: check-debian
 check-debian:
 	@tests/debian.sh
+
+# every command and program of the documents, in a copy of the tree; QUICK=--quick: without the slow ones
+.PHONY: check-docs
+check-docs: all $(F90)
+	@MAKE='$(MAKE)' PYTHON='$(PYTHON)' python3 tests/docs.py $(BUILD) $(QUICK)
+
+# dead links and file names in the documents of the tree, and as they are installed, with the HTML guide if it is built
+.PHONY: check-links
+check-links: all
+	@python3 tests/links.py .
+	@root=$$(mktemp -d) && $(MAKE) -s install PREFIX=$$root > $$root/log 2>&1 && \
+	  python3 tests/links.py $$root/share/doc/delassus $$root/include; status=$$?; rm -rf $$root; exit $$status
 
 .PHONY: check-hosts
 check-hosts:

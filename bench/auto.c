@@ -17,9 +17,11 @@
  *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with that ratio of Poisson and
  *       frictions drawn from 0.3 to 4; that of auto over the best of the others
  *
- * NAME is an FCLIB file; "contact-N", a half-space under a flat stamp of N x N points that presses
- * and turns; or "plane-N", an elastic half-plane of N cells, held far below, pressed and pushed,
- * most sticking. Methods take turns; the least of the runs counts. At most 20000 sweeps.
+ * NAME is one of
+ *   FILE       an FCLIB file
+ *   contact-N  a half-space under a flat stamp of N x N points that is pressed and turned
+ *   plane-N    an elastic half-plane of N cells, held far below, pressed and pushed; most stick
+ * The methods run in turn, and the least of several times is used. At most 20000 sweeps.
  */
 #include <math.h>
 #include <stdio.h>

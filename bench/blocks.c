@@ -25,9 +25,11 @@
 #include "linear/blas.h"
 
 enum { least_rounds = 9, most_rounds = 401, most_things = 6, few = 8, many = 24 };
-/* Seconds of a turn of one thing; of calls before it that do not count, because a processor may
- * take half a millisecond to change its clock to or from that of dgemv's wide registers; of all
- * turns. */
+/* Seconds:
+ *   shortest  of a measurement of one function
+ *   settling  of the calls before it that are not measured, because a processor may take half a
+ *             millisecond to change its clock for the wide registers of dgemv
+ *   enough    of all measurements together */
 static const double shortest = 3e-3, settling = 1e-3, enough = 2;
 
 static uint64_t seed = 88172645463325252u;

@@ -25,7 +25,7 @@
  *
  * Time is the CPU of the solve, the least of up to 40 readings of the clock while they take less
  * than 20 ms together; calls are repeated between two readings until these are 50 us apart, each
- * from r = 0. The peer gets matrix and options anew for each call, and where that repeats calls,
+ * from r = 0. The peer gets matrix and options again for each call, and where that repeats calls,
  * also once for all of them; the faster counts. The peer allocates inside its call, delassus in
  * dls_solver_create: that is not in the ratios but in the column setup_s, as is what dls_solve
  * takes more than the solve on a solver that is there.
@@ -331,7 +331,7 @@ static int runs(const plan *p, const char *set) {
   return !p->set || strcmp(p->set, set) == 0;
 }
 
-/* Starts the program anew with a BLAS of one thread, which OpenBLAS reads when it is loaded. */
+/* Starts the program again with a BLAS of one thread, which OpenBLAS reads when it is loaded. */
 static void one_thread(char **argv) {
   if (getenv("OPENBLAS_NUM_THREADS")) return;
   if (setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0) (void)execv("/proc/self/exe", argv);

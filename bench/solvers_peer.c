@@ -4,7 +4,7 @@
  * Each is taken with its default options and with one or more of the settings that its headers
  * offer; besides, only the tolerance is changed, and the iteration limit to one that never comes
  * first. W is stored as the solver likes it best: dense where W is dense, else blocks for sweeps,
- * sparse for Newton and ADMM; small ones dense, too. Matrix and options are made anew for each
+ * sparse for Newton and ADMM; small ones dense, too. Matrix and options are made again for each
  * call, since some solvers write into them; short calls are also tried one after the other on one
  * matrix, which is then in the cache.
  */

@@ -1,5 +1,5 @@
 /*
- * host_dense.c: a finite element code hands over its stiffness matrix and its contact operators,
+ * host_dense.c: a finite element code passes its stiffness matrix and its contact operators,
  * and gets reactions and displacements back.
  *
  * Two nodes above an obstacle y <= 0, held by springs; unknowns (x0, y0, x1, y1); n = +y, t = +x.

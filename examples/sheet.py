@@ -1,4 +1,4 @@
-# sheet.py: a first answer from scipy, the script of src/python/README.md: a sheet of nodes on springs,
+# sheet.py: a first answer from scipy, the script of docs/python.md: a sheet of nodes on springs,
 # whose lowest row may touch the floor, from its stiffness matrix to reactions and displacements.
 #
 # Output:

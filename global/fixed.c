@@ -8,11 +8,10 @@
  *   (GF3)  s := mu |H_t^T x + g_t|
  *
  * A fixed point of (GF1), (GF3) meets the law. It depends on no start, so that it helps where the
- * splitting crawls or has run away. Source: Acary, Cadoux, Lemarechal and Malick, ZAMM 91, 2011,
- * 155-175, who prove existence that way.
- * Cost: 10 to 40 factorisations of (GF1), 3 to 12 of (GF2), at most 10 times.
- * What can fail: (GF3) may cycle. (GF1) gives contacts without force and gap to 1e-6 or so, and
- * Newton steps from there may cycle, too.
+ * splitting converges slowly or has run away. Source: Acary, Cadoux, Lemarechal and Malick, ZAMM
+ * 91, 2011, 155-175, who prove existence that way. Cost: 10 to 40 factorisations of (GF1), 3 to 12
+ * of (GF2), at most 10 times. What can fail: (GF3) may cycle. (GF1) gives contacts without force
+ * and gap to 1e-6 or so, and Newton steps from there may cycle, too.
  */
 #include <stdlib.h>
 #include <string.h>

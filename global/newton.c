@@ -34,7 +34,7 @@ enum { most_steps = 12, patience = 3 };
 
 static const double delta = 1e-9;
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
-static const double stale = 0.1;        /* gain of a step from which on factors are made anew */
+static const double stale = 0.1;        /* gain of a step from which on factors are made again */
 
 /* A contact under (GN1). */
 typedef struct branch {

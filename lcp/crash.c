@@ -15,7 +15,7 @@
  * principal.c has the same iteration with all of H, but for the last words of (CR4): where M_jj =
  * 0, as for the multipliers in the forms with friction, j enters a basis only together with others.
  *
- * The method is a guess without a promise. It costs a few factorisations and is right as a rule
+ * The method is a guess without a promise. It costs a few factorisations and is usually right
  * where M is well conditioned, as for elastic bodies: each round leaves a half to a tenth of the
  * wrong signs. Near-singular bases, as of statically indeterminate bodies, soon fail (CR3); the
  * rounds end after 4 (1 + log_4/3 2n) at the latest. A change of units changes only roundings.
@@ -28,7 +28,7 @@
  *          ( Y_D                 ) w  =  ( x'_D          ),    x_0 = x' - Y w,   x_E = w_E
  *
  * where a column of Y costs 2 |A_0|^2 flops and is kept for later rounds; a factorisation costs
- * 2 |A|^3 / 3. M_AA is factorised anew when Y would have more than |A_0| / 4 columns.
+ * 2 |A|^3 / 3. M_AA is factorised again when Y would have more than |A_0| / 4 columns.
  *
  * Sources: Kostreva 1978; Judice and Pires 1994 (full references in principal.c).
  */

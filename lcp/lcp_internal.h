@@ -80,7 +80,7 @@ void dlsi_crash_carve(dlsi_crash *work, dlsi_arena *arena, size_t n, size_t ld);
 /* Starts at the basis { i : z_i > 0 }; NULL: at the empty one. */
 void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work);
 
-/* Runs one round. Returns 0 to go on, 1 if z solves the LCP but for rounding, -1 to give up. */
+/* Runs one round. Returns 0 to go on, 1 if z solves the LCP up to rounding, -1 to give up. */
 int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *work);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
@@ -156,7 +156,7 @@ void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
  * DLS_ENUMERATE_MAX. */
 int dlsi_find_vertex(int n, const double *C, double *x);
 
-/* After dlsi_find_vertex said 0: y (n) := a vector with y.C <= 0 and y.q > 0, but for rounding,
+/* After dlsi_find_vertex said 0: y (n) := a vector with y.C <= 0 and y.q > 0, up to rounding,
  * which shows that the polyhedron is empty. slack: by how much the equations among y.C <= 0 are to
  * be inequalities, beside entries of y of about 1. Returns 0 if rounding hides it. */
 int dlsi_refute_vertex(int n, const double *C, double slack, double *y);
@@ -166,7 +166,7 @@ int dlsi_refute_vertex(int n, const double *C, double slack, double *y);
  * -INFINITY or INFINITY if there is none. a: count rows of n. */
 int dlsi_spread(int n, const double *C, int count, const double *a, double *low, double *high);
 
-/* Lets `judge` decide, from the next solve on, whether a vector v (n) that is Farkas' but for
+/* Lets `judge` decide, from the next solve on, whether a vector v (n) that is Farkas' up to
  * rounding proves that there is no solution; NULL: dlsi_lcp_find_proof decides. For an LCP that has
  * been computed from another problem, whose numbers count. judge may overwrite v; work: n. */
 typedef int dlsi_judge(void *problem, double *v, double *work);

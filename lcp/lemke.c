@@ -33,8 +33,9 @@
  * Warm start. At the basis of a complementary z, x_B = b + A x_N is an LCP in x_N as (40) is in z:
  * (LE1) can begin there with a cover d' > 0 and a perturbation g' > 0, e^2, e^3, .. of its own, and
  * the proof holds for it. In y these are d = B d' and g = B g', B being the columns of x_B in (I,
- * -M), so that the table can be computed anew at any time. If b >= 0 there is nothing to do. d need
- * not be positive: a ray is then no ray of the user's cover, and the cold start is tried instead.
+ * -M), so that the table can be computed again at any time. If b >= 0 there is nothing to do. d
+ * need not be positive: a ray is then no ray of the user's cover, and the cold start is tried
+ * instead.
  *
  * Crash start. Before the path, unless it is switched off or a cover is given, crash.c guesses a
  * complementary basis with LU factors. If its z has the certificate, that is the answer; else
@@ -47,7 +48,7 @@
  *          least (b_i + 1e-13 max|b|) / -c_i
  *   (LE10) z0 leaves where this holds with 1e-10: at the end z0 is commonly tied with many others
  *   (LE11) now and then, and after an exchange on a small pivot, b is put into the user's M; if it
- *          does not fit to 1e-9, and before a ray is believed, the table is computed anew
+ *          does not fit to 1e-9, and before a ray is believed, the table is computed again
  *          ("refreshed"): from M, the basic variables are exchanged in, each at the row with the
  *          largest coefficient
  *   (LE12) answers do not carry the table's rounding: b, and c for a ray, are refined with the
@@ -85,7 +86,7 @@ enum { most_covers = 10 };         /* the first one, and others */
 static const double sharp = 1e-12; /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-/* Vectors of Farkas but for rounding: what they leave of solutions is too far away for a
+/* Vectors of Farkas up to rounding: what they leave of solutions is too far away for a
  * certificate, but another ray may prove that there is none. */
 enum { most_vectors = 2 };
 
@@ -125,7 +126,7 @@ struct dls_lemke {
 
   int solved_n; /* n of the last solve if it ended in a ray, else 0 */
   int proved;   /* 1: farkas is a proof */
-  int vectors;  /* rays of this solve that are Farkas vectors but for rounding */
+  int vectors;  /* rays of this solve that are Farkas vectors up to rounding */
   double *ray_z, *ray_dz, *ray_cover, *farkas; /* n */
   dlsi_judge *judge;                           /* of farkas; NULL: this LCP */
   void *judged;
@@ -414,7 +415,7 @@ static void lemke_refine(dls_lemke *work, const dls_lcp *lcp, double *x, double 
 
 enum { no_row = -1, not_finite = -2 };
 
-/* Keeps those of rows[0..count) whose value[k] is smallest but for rounding; returns their
+/* Keeps those of rows[0..count) whose value[k] is smallest up to rounding; returns their
  * number. */
 static int ratio_keep_smallest(int count, int *rows, const double *value) {
   double smallest = INFINITY, largest = 0;

@@ -213,7 +213,7 @@ static double modes_row(const double *V, size_t n, int count, size_t i) {
   return sum;
 }
 
-/* Returns the first row of V (n x count) whose norm is the largest but for rounding; *size: the
+/* Returns the first row of V (n x count) whose norm is the largest up to rounding; *size: the
  * square of the largest. */
 static size_t modes_largest_row(const double *V, size_t n, int count, double *size) {
   *size = 0;
@@ -389,7 +389,7 @@ static double follow_product(int count, const double *spring, const double *a, c
 }
 
 /* (MO6) After a move d that changed the stretch by e: M := M - (d + M e)(d^T S M) / (d^T S M e). A
- * stretch that has not shrunk starts anew from M = 1, the step of the proximal point method. */
+ * stretch that has not shrunk starts again from M = 1, the step of the proximal point method. */
 static void follow_learn(dlsi_follow *follow, int count, const double *spring,
                          const double *stretch) {
   const size_t n = (size_t)count;

@@ -111,15 +111,25 @@ version=$("$tree/usr/bin/delassus" --version | sed 's/delassus //')
 [ "$version" = "$(sed -n 's/^version: //p' "$work/CITATION.cff")" ] || fail "version of CITATION.cff"
 [ "$version" = "$(sed -n '1s/.*(\(.*\)).*/\1/p' "$work/debian/changelog")" ] || fail "version of debian/changelog"
 grep -q "^## $version" "$work/CHANGELOG.md" || fail "version of CHANGELOG.md"
-for page in man1/delassus.1 man3/delassus.3; do
+for command in $("$tree/usr/bin/delassus" help commands); do
+  [ -f "$tree/usr/share/man/man1/delassus-$command.1" ] || fail "no man page of delassus $command"
+done
+for page in man1/delassus.1 $(cd "$tree/usr/share/man" && ls man1/delassus-*.1) man3/delassus.3; do
   grep -q '^.SH NAME' "$tree/usr/share/man/$page" || fail "$page"
   if command -v man > /dev/null; then
     man -l "$tree/usr/share/man/$page" > page 2> warnings || fail "$page"
     [ ! -s warnings ] || fail "$page: $(cat warnings)"
   fi
 done
-grep -q -e '\\-\\-stiffness' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no --stiffness'
-grep -q 'fclib_local' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no layout of FCLIB'
+grep -q -e '\\-\\-stiffness' "$tree/usr/share/man/man1/delassus-solve.1" || fail 'delassus-solve.1 has no --stiffness'
+grep -q 'fclib_local' "$tree/usr/share/man/man1/delassus-solve.1" || fail 'delassus-solve.1 has no layout of FCLIB'
+for page in "$tree"/usr/share/man/man1/*.1; do
+  [ "$(sed -n '/^.SH EXAMPLES/,/^.SH E/p' "$page" | grep -c '^.B delassus')" -gt 0 ] || fail "${page##*/} has no example"
+done
+# each function that a shared library exports
+for name in $(nm -D --defined-only "$tree"/usr/lib/here/libdelassus*.so | sed -n 's/.* T \(dls_[a-z0-9_]*\).*/\1/p'); do
+  grep -q "^.B $name()" "$tree/usr/share/man/man3/delassus.3" || fail "delassus.3 has no $name"
+done
 # completions: an option, a method, a scene, a command
 export PATH="$tree/usr/bin:$PATH"
 share=$tree/usr/share

@@ -41,11 +41,11 @@
  * warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if they meet the law.
  *
  * Cost: per rho a factorisation, m^3 / 3 dense (2/3 m^3 for an unsymmetric W); per iteration a
- * solve with it, 2 m^2, and O(m).
- * What can fail: with mu = 0 or given friction thresholds, and W + W^T positive semidefinite, B and
- * A are monotone and the plain iteration converges from anywhere. Coulomb's B is not: it can cycle
- * at large mu, and crawls where a singular W meets slip. (AD5) and (AD6) cure most of that and
- * prove nothing. Where there is no solution, v runs away until the limit of iterations.
+ * solve with it, 2 m^2, and O(m). What can fail: with mu = 0 or given friction thresholds, and W +
+ * W^T positive semidefinite, B and A are monotone and the plain iteration converges from anywhere.
+ * Coulomb's B is not: it can cycle at large mu, and converges slowly where a singular W meets slip.
+ * (AD5) and (AD6) cure most of that and prove nothing. Where there is no solution, v runs away
+ * until the limit of iterations.
  */
 #include <float.h>
 #include <limits.h>

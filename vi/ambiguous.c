@@ -18,7 +18,7 @@
 static const double unsymmetric = 1e-9; /* of the Schur complement, which margins of 1 % outweigh */
 
 /* Returns 1 if a candidate with this W_cc (d x d) has one solution by itself whatever q is: W_cc
- * symmetric but for rounding, positive definite, and mu below the bound (DG4) of
+ * symmetric up to rounding, positive definite, and mu below the bound (DG4) of
  * src/front/diagnose.c by a margin that rounding does not use up. */
 static int has_one_solution(int d, const double *W, double mu) {
   if (d == 1) return W[0] > 0;

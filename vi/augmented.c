@@ -37,7 +37,7 @@
  *
  *   (AU5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (AU2),
  *          |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
- *          delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ *          delta without end. Seldom, lambda on its way to a far solution does so, too: hence 10.
  *
  * A warm start for which W r overflows is dropped.
  *
@@ -47,7 +47,7 @@
  * Newton's method is r, not the displacement: the same solution, and a large eps does not spoil the
  * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (AU4): of
  * eps the paper says that it needs precautions; too small an s fails in (AU2), too large a one
- * crawls.
+ * converges slowly.
  *
  * Cost of an augmentation: up to 20 sweeps, and 0 to 30 Newton steps, an LU of the unknowns each.
  * What can fail: (AU2), for every s, where friction makes even W + s E cycle, or W is indefinite.

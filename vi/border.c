@@ -1,12 +1,12 @@
 /*
- * border.c: a Newton step (newton.c, NE2) by the factors of an earlier one, some states of which
- * are others now.
+ * border.c: a Newton step (newton.c, NE2) with the factors of an earlier step, some of whose states
+ * have changed.
  *
- * M = R W C + diag is factored for the base states: C has the directions of its n unknowns, R their
- * rows. A candidate c that has changed has d positions j in a frame of its own: below `count` stand
- * its unknowns in M, then the directions G that complete them in dr_c. At some of its positions the
- * old rows of M are given up, by slacks, and the components along G become unknowns. With y the
- * slacks and components,
+ * M = R W C + diag is factorised for the base states. The columns of C are the directions of its n
+ * unknowns, R are their rows. A contact c that has changed has d positions j in a frame of its own:
+ * the first `count` are its unknowns in M, the others the directions G that complete them in dr_c.
+ * Slacks replace the old rows of M at some of these positions, and the components along G become
+ * unknowns. With y the slacks and components,
  *
  *   (BO1)  M z + B y = b             b: right side of the rows that stay, else 0
  *                                    B: a unit vector for a slack, R W g for a direction g
@@ -17,7 +17,7 @@
  *          that dr_c lies in its directions, times w_c; on the right C z and V^T z of z = M^-1 b
  *   (BO6)  z := z - X y
  *
- * Which positions and rows, three forms that cost as little as may be:
+ * Three forms choose the positions and rows, each at the lowest cost:
  *
  *   WHOLE     all d positions (without friction the first alone), rows and components of r: holds
  *             every state
@@ -26,13 +26,13 @@
  *             positions, rows n and across, and coefficients of that slip. Outside of M its
  *             directions are G, whose components are its unknowns
  *
- * A candidate whose form does not hold its next state gives up its columns, whose y is 0 from then
- * on, and becomes WHOLE.
+ * If the form of a contact cannot represent its next state, its columns are dropped (their y is 0
+ * from then on), and it becomes WHOLE.
  *
- * X, V, Q and T do not depend on the new states: another change of the same candidates costs the
- * LU of S alone, no change not even that, and each unknown more 2 n^2 + 4 n k operations. A solve
- * costs M's and 4 n k + 2 k^2 more. Up to k = n / 6 that is less than the factorisation of a new M,
- * 2/3 n^3.
+ * X, V, Q and T do not depend on the new states. Another change of the same contacts costs the LU
+ * of S, no change costs nothing, and each additional unknown costs 2 n^2 + 4 n k operations. A
+ * solve costs 4 n k + 2 k^2 more than with M. Up to k = n / 6 that is less than the factorisation
+ * of a new M, 2/3 n^3.
  *
  * (BO7)  Factors may serve loosely: for a slip, d = 3, whose direction has turned and whose l has
  *        changed. Its row across is then multiplied by (w + l of the factors) / (w + l), which is

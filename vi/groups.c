@@ -108,7 +108,7 @@ static void fit_add(groups_fit *f, int c) {
   if (f->filled[g % most_open] == size) fit_close(f, g);
 }
 
-/* Fits slab s; the groups of the next one begin anew. */
+/* Fits slab s; the groups of the next one begin again. */
 static void fit_slab(groups_fit *f, const dlsi_set *set, int s) {
   const int first = set->slabs ? set->start[s] : 0;
   const int end = set->slabs ? set->start[s + 1] : set->count;

@@ -28,9 +28,9 @@
  *
  *   (HO8)  Several starts are tried, because no one of them reaches all solutions: ten pairs (a, b)
  *          at first, then x_c = a f_c e, z_c = e / f_c with a near 1 and factors f_c between 1/64
- *          and 64, drawn anew for each candidate and start: factors that follow from the number of
- *          the candidate by a rule are too much alike. A path that leads to a solution is short as
- *          a rule, so that many starts find more than long paths: 250 factorisations each, but 500
+ *          and 64, drawn again for each candidate and start: factors that follow from the number of
+ *          the candidate by a rule are too much alike. A path that leads to a solution is usually
+ *          short, so that many starts find more than long paths: 250 factorisations each, but 500
  *          for the ten. auto takes an eighth of them first, and the rest after other methods
  *
  * Source: the scaling and the algebra of second-order cones as in Alizadeh and Goldfarb, Math.

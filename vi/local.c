@@ -23,7 +23,7 @@
  * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. Where q_n is so
  * small beside z that l drowns S, r_t is along -z. (LO5) then makes
  * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t. A
- * singular S needs no care: its stick solutions are the limit l -> 0 of (LO4). r_t(l) is had by
+ * singular S needs no care: its stick solutions are the limit l -> 0 of (LO4). r_t(l) follows from
  * Cramer's rule, one division: (LO5) takes no more than its direction. Stick takes its length, too,
  * so that (LO3) is by the LU factors of S, which W_cc alone gives.
  *

@@ -47,7 +47,7 @@
  *          change. Right sides are exact, so that only the rate suffers (a chord method). Of slips
  *          r0 - r is of second order; its product is left out where it is a tenth of the error or
  *          less. W may have changed, too: where a step leaves more than a fourth of the right side
- *          of (NE2), the next factors are made anew.
+ *          of (NE2), the next factors are made again.
  *   (NE6)  d = 3: steps by the same factors in the same states are combined (anderson.c, with f =
  *          w (next - r), 5 differences): where directions have turned so far that a step leaves a
  *          sixth of the error, the combination leaves a tenth.
@@ -59,7 +59,7 @@
  * saved, the iterates are the same but for eps.
  * Cost of a step: a product with W, another one with what (NE1) sets, and an LU of the unknowns:
  * 2/3 k^3 dense, half of that by Cholesky, much less sparse.
- * What can fail: nothing makes it converge from afar, and states may go round for ever (cycle in
+ * What can fail: nothing makes it converge from afar, and states may go round without end (cycle in
  * tests/method/test_newton.c): DLS_STALLED.
  */
 #include <float.h>
@@ -101,7 +101,7 @@ struct dls_newton {
   dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   int no_more;         /* 1: that run ends where it would factorise */
-  int anew;            /* 1: changed states are factorised anew, as those of W by blocks are */
+  int anew;            /* 1: changed states are factorised again, as those of W by blocks are */
   const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_room own;       /* of the matrix, unless the caller has one */
   dlsi_formed formed;  /* W of bodies by blocks */

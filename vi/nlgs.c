@@ -21,9 +21,9 @@
  * row c of W r: the same arithmetic, but candidates that do not change cost nothing, and the
  * residual is free.
  *
- * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc).
- * What can fail: nothing guarantees convergence with friction. It can cycle for ever (W SPD and mu
- * = 1 suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate
+ * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc). What can
+ * fail: nothing guarantees convergence with friction. It can cycle without end (W SPD and mu = 1
+ * suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate
  * without a local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the
  * certificate then does not hold.
  */

@@ -3,7 +3,7 @@
  *
  *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
  *          three layers of what W couples with them, if that is not a third of all, get up to 300
- *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then.
+ *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins again then.
  *          Where it is a third and more, the next 1, 2, 4 .. 16 looks are left out
  *
  * F is the misfit of the contact law, as in the certificate. The fewest candidates are found but

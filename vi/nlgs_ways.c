@@ -16,7 +16,7 @@
  *          halving, and 300; three times as many for b = 0 below 1000 candidates. While (NL12) has
  *          several ways and b is 1: 800 for 300, from 1000 candidates on times nc / 1000 to the
  *          power 1/d, and a fifth less is enough for a halving
- *   (NL12) beyond 1000 candidates another way is (NL8) HELD, begun anew every 10 sweeps in which
+ *   (NL12) beyond 1000 candidates another way is (NL8) HELD, restarted every 10 sweeps in which
  *          the residual has not fallen by a tenth: some large packings at rest need it. A stage of
  *          auto has (NL6) as a way, too, in place of (NL8) and (NL9): in 2D as the first one, in 3D
  *          beyond 1000 candidates as the second one. turns.c finds which way goes on: the one that
@@ -84,7 +84,7 @@ void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double res
 
 /* ---- momentum -------------------------------------------------------------------------------- */
 
-/* Begins momentum anew at r, which u (or v) belongs to. */
+/* Begins momentum again at r, which u (or v) belongs to. */
 static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, const double *r) {
   const dlsi_set all = {.count = problem->nc};
   const int n = work->motions, d = problem->d;

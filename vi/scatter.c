@@ -8,7 +8,7 @@
  *
  *   (SC1)  draw a state for each candidate, free, stick, or slip in some direction t, with shares
  *          that are drawn, too; at every other start take the states of the best r so far and draw
- *          one candidate or a few anew
+ *          one candidate or a few again
  *   (SC2)  r: the least linear problem that these states leave, u_n = 0 and r_t = mu r_n t where a
  *          candidate slips, u = 0 where it sticks; W_cc is raised by 1e-6 w_c, so that a W of low
  *          rank has an answer. An r_n < 0 changes its sign
@@ -66,7 +66,7 @@ static void scatter_draw_state(scatter *work, int d, double mu, double free, dou
   if (d == 3) r[2] = mu * sin(3.141592653589793 * turn);
 }
 
-/* (SC1) r := states drawn anew. */
+/* (SC1) r := states drawn again. */
 static void scatter_anew(scatter *work, const dls_contact *problem) {
   const double free = scatter_draw(work, 0, 1), slides = scatter_draw(work, 0, 1);
   for (int c = 0; c < problem->nc; c++)

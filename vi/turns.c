@@ -1,12 +1,12 @@
 /*
- * turns.c: a few ways to iterate take turns: who halves the residual at the least price goes on.
+ * turns.c: a few ways to iterate take turns: who halves the residual at the lowest cost goes on.
  *
  *   (TU1) price of a way: what its last halving has cost, at least first_price; where its last turn
  *         ended without one, what that turn has cost over the part of a halving that it has
  *         brought, log2 of the residuals, at least least_part; 0 where it has not been tried
- *   (TU2) a way goes on until it has spent 3/2 of the least price of the others, and of
+ *   (TU2) a way goes on until it has spent 3/2 of the lowest cost of the others, and of
  *         first_price, without halving the least residual so far
- *   (TU3) then the other one of the least price follows, the first of them where two have it
+ *   (TU3) then the other one of the lowest cost follows, the first of them where two have it
  *
  * Where no way halves the residual, prices grow from turn to turn, so that each gets longer and
  * longer turns, the one that gets farthest the longest. No clock is read.

@@ -16,7 +16,7 @@
  * |.| of a block is Frobenius' norm. Source: (UN2) Cottle, Pang, Stone, The Linear Complementarity
  * Problem, 1992, 3.3; (UN1) and (UN3) from the law as said.
  * Cost: (UN3) a product with W at most; (UN2) n^3/3 for n candidates.
- * What can fail: (UN3) proves nothing where many candidates touch one body, as a rule.
+ * What can fail: (UN3) usually proves nothing where many candidates touch one body.
  */
 #include <math.h>
 #include <string.h>

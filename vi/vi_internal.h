@@ -34,7 +34,7 @@ typedef struct dlsi_block_3d {
 void dlsi_block_2d_set(dlsi_block_2d *block, const double *W, double mu);
 void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu);
 
-/* Returns how many solutions a local problem has that is known to have one, but for rounding. */
+/* Returns how many solutions a local problem has that is known to have one, up to rounding. */
 int dlsi_local_count(int d, const double *W, const double *q, double mu);
 
 /* dls_nlgs_local without the count, for the sweep. guess (3D): where to look first for l >= 0 in
@@ -93,7 +93,7 @@ typedef struct dlsi_momentum {
 
 void dlsi_momentum_carve(dlsi_momentum *mo, dlsi_arena *arena, size_t m);
 
-/* Begins anew at r and u = W r + q. changes: the candidates whose r the sweeps change, d numbers
+/* Begins again at r and u = W r + q. changes: the candidates whose r the sweeps change, d numbers
  * each; rows: those whose u it changes, e numbers each; of bodies e motions. */
 void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi_set rows,
                          const double *r, const double *u);
@@ -150,7 +150,7 @@ void dlsi_slabs_free(dlsi_slabs *slabs);
  * not measured then; u may be NULL. no_more: 1 to end that run where it would factorise. */
 void dlsi_newton_keep(void *work, const double *u, int no_more);
 
-/* Lets all runs in this workspace factorise anew where states have changed: a dense W and the same
+/* Lets all runs in this workspace factorise again where states have changed: a dense W and the same
  * one by blocks then lead to the same bits. */
 void dlsi_newton_anew(dls_newton *work);
 
@@ -262,7 +262,7 @@ dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem,
  * is larger than q (floor_u >= 1), becomes 0 first. Returns 1 if the certificate holds. */
 int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r);
 
-/* Measures the best r anew, where it was kept by an estimate. Returns the verdict of its
+/* Measures the best r again, where it was kept by an estimate. Returns the verdict of its
  * certificate (dls_certificate_verdict) if it is one, else `reason`. */
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason);
 
@@ -316,7 +316,7 @@ void dlsi_multiply(const dls_contact *problem, const int *order, const double *E
 
 /* ---- vi/order.c ------------------------------------------------------------------------------ */
 
-/* Returns 1 if W is dense, or has a fourth of all blocks or more. */
+/* Returns 1 if W is dense, or has at least 25 % of all blocks. */
 int dlsi_is_full(const dls_contact *problem);
 
 /* Returns 1 if W is dense, or full with more than 100 candidates: most candidates feel each other,
@@ -364,14 +364,14 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
 int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
                          double *const v[4]);
 
-/* Returns 1 if the symmetric part of W is positive semidefinite but for rounding. */
+/* Returns 1 if the symmetric part of W is positive semidefinite up to rounding. */
 int dlsi_is_semidefinite(const dls_contact *problem, const double *w, double *J);
 
 /* ---- vi/unique.c ----------------------------------------------------------------------------- */
 
-/* Returns 1 if the problem has one answer at most, proved but for rounding; 0 says nothing. w:
+/* Returns 1 if the problem has one answer at most, proved up to rounding; 0 says nothing. w:
  * weights of the certificate. row: scratch, nc. J: without friction scratch, nc x nc, or NULL for
- * the cheap look; with friction NULL. */
+ * the inexpensive search; with friction NULL. */
 int dlsi_is_unique(const dls_contact *problem, const double *w, double *row, double *J);
 
 /* ---- rows of the table of methods ------------------------------------------------------------ */

@@ -1,5 +1,5 @@
 /*
- * petsc.c: PETSc as the host, twice: its Mat is handed over as a sparse K, and its KSP stays the
+ * petsc.c: PETSc as the host, twice: its Mat is passed as a sparse K, and its KSP stays the
  * host's own factorisation, which answers the callback. A cube of 12^3 nodes joined by springs
  * stands on a rough floor, its top held by soft springs, and is pushed near one edge of the floor.
  *

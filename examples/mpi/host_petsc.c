@@ -1,7 +1,7 @@
 /* host_petsc.c: PETSc as the host on several ranks, with its own solver for K + H R H^T: conjugate
- * gradients and algebraic multigrid, for models that grow beyond any factor. A block of cubic
- * elements is glued to a plate above and pressed on a rough, curved floor that moves sideways. The
- * rows of a distributed Mat go over as they are owned.
+ * gradients and algebraic multigrid, for models that are too large for a factor. A block of cubic
+ * elements is glued to a plate above and pressed on a rough, curved floor that moves sideways. Each
+ * rank gives the library the rows of the distributed Mat that it owns.
  *
  * mpirun -np 4 build/examples/mpi/host_petsc [CELLS [HEIGHT]]    counts and memory are printed, too
  * Output:

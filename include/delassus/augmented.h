@@ -3,13 +3,13 @@
  * augmentation and a large penalty, the penalty method. For d = 2 and 3, W symmetric or not,
  * singular or not.
  *
- * An augmentation lets each candidate be penetrated and dragged like a spring of stiffness eps_c,
+ * An augmentation replaces each contact by springs of stiffness eps_c,
  *
  *   r_n = < lambda_n - eps_c u_n >,   r_t = lambda_t - eps_c u_t put on the disc |r_t| <= mu r_n,
  *
- * solves u = W r + q with that r, and takes r as the next lambda. The springs' error fades with the
- * augmentations, whatever eps_c: large ones fade it faster but leave a harder problem to solve. It
- * is the proximal point method, too: vi/augmented.c.
+ * solves u = W r + q with that r, and takes r as the next lambda. The error of the springs vanishes
+ * with the augmentations, for each eps_c; a large eps_c makes it vanish faster, but each problem is
+ * harder to solve. This is the proximal point method.
  */
 #ifndef DELASSUS_AUGMENTED_H
 #define DELASSUS_AUGMENTED_H
@@ -20,8 +20,8 @@
 extern "C" {
 #endif
 
-/* Fill by dls_augmented_settings_init, then change what you like; NULL in their place: the
- * defaults. */
+/* Settings: call dls_augmented_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. */
 typedef struct dls_augmented_settings {
   dls_limits limits;     /* max_iterations: augmentations; the method's own limit: 400.
                         warm_start: lambda = r as passed in */
@@ -29,26 +29,27 @@ typedef struct dls_augmented_settings {
   double factor;         /* eps_c = factor / w_c, w_c as in the certificate; > 0; 100 */
   const double *penalty; /* eps_c > 0 (nc of create), force / length, in place of that; copied by
                             create; NULL for none */
-  /* 1: all eps_c grow after an augmentation that could be solved (by 5 before the first failure,
-   * then by 1.25), halve after one that could not; 0: they stay, and a failure ends the solve; 1 */
+  /* 1: all eps_c grow after an augmentation that was solved (by 5 before the first failure, then by
+   * 1.25), and halve after one that was not; 0: they stay, and a failure ends the solve; 1 */
   int adaptive;
 } dls_augmented_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);
 
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_augmented dls_augmented;
 
-/* *out = new workspace, NULL on error; the settings are copied. Memory: O(d nc), and that of
+/* Creates a workspace: *out, NULL on error. The settings are copied. Memory: O(d nc), and that of
  * dls_newton_create (newton.h). DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY;
  * DLS_E_NOT_FINITE for a penalty that is not finite. */
 DLS_API DLS_MUST_USE dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
                                                      const dls_augmented_settings *settings,
                                                      dls_error *error);
 
-/* Solves; allocates nothing where dls_newton_solve does not. r (m): in, the first lambda if
- * warm_start, else ignored; out, the reactions: where the status is > 0, those with the smallest
- * residual met. u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the
+/* Solves a problem. Allocates as much as dls_newton_solve. r (m): in, the first lambda if
+ * warm_start, else ignored; out, the reactions; if the status is > 0, those with the smallest
+ * residual found. u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the
  * problem.
  *
  * DLS_OK: the certificate holds. DLS_MAX_ITERATIONS: after the last augmentation allowed it does
@@ -60,18 +61,18 @@ DLS_API DLS_MUST_USE dls_status dls_augmented_solve(dls_augmented *workspace,
                                                     const dls_contact *problem, double *r,
                                                     double *u, dls_info *info, dls_error *error);
 
-/* A direction delta (m, its largest entry +-1) in which the last solve saw the reactions run away,
- * or NULL:
+/* Returns a direction delta (m, its largest entry +-1) along which the reactions of the last solve
+ * grew without bound, or NULL:
  *
  *   |W delta| < 1e-4 |delta|   and   q.delta < -1e-4 |q| |delta|,
  *
- * in norms weighted by w_c so that they compare: reactions along delta cost no displacement and
- * would gain work for ever. Such a delta makes it likely, and does not prove, that there is no
- * solution. It is a proof where W delta = 0 for a symmetric W, delta_n >= 0 and delta_t = 0: a
- * self-stress of the normal reactions. NULL after DLS_OK. Lives until the next solve or destroy. */
+ * in norms weighted by w_c: reactions along delta cause no displacement and gain work without
+ * bound. Such a delta makes it likely that there is no solution. It is a proof only if W is
+ * symmetric, W delta = 0, delta_n >= 0 and delta_t = 0: a self-stress of the normal reactions. NULL
+ * after DLS_OK. It lives until the next solve or destroy. */
 DLS_API const double *dls_augmented_direction(const dls_augmented *workspace);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_augmented_destroy(dls_augmented *workspace);
 
 #ifdef __cplusplus

@@ -30,13 +30,13 @@
 extern "C" {
 #endif
 
-/* W of rigid bodies, kept factored. Candidate c presses with r_c on two bodies, and moves each by
+/* W of rigid bodies, kept factorised. Candidate c presses with r_c on two bodies, and moves each by
  * M^-1/2 H_c r_c, M its mass matrix (any factor of M^-1 does in place of M^-1/2):
  *
  *   W_ck = sum over the bodies that c and k share of  H_c^T H_k,   H here with M^-1/2 in it
  *
- * symmetric and positive semidefinite. Sweeps then cost what a body has motions, not what a
- * candidate has neighbours, in a third of the memory. */
+ * symmetric and positive semidefinite. The cost of a sweep then grows with the motions of a body,
+ * not with the neighbours of a contact, and the memory is a third. */
 typedef struct dls_bodies {
   int n;           /* motions of a body: 3 (d - 1); d = 1: 3 or 6 */
   int count;       /* bodies, >= 0 */
@@ -47,8 +47,8 @@ typedef struct dls_bodies {
   double *work;    /* NULL; in copies of the view that the library makes, its own scratch */
 } dls_bodies;
 
-/* The problem: a view, everything is borrowed. W is dense, by blocks, or of rigid bodies: leave the
- * other two zero. */
+/* The problem: a view; all arrays are borrowed. W is dense, by blocks, or of rigid bodies: leave
+ * the other two zero. */
 typedef struct dls_contact {
   int d;                 /* 1, 2 or 3 */
   int nc;                /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
@@ -67,7 +67,7 @@ typedef struct dls_contact {
  * position elsewhere. */
 DLS_API DLS_MUST_USE dls_status dls_contact_check(const dls_contact *problem, dls_error *error);
 
-/* Counts the blocks of W of a problem of bodies: what limits.blocks is to hold for the methods that
+/* Counts the blocks of W of a problem of bodies: the value of limits.blocks for the methods that
  * form W by blocks, and the size of the arrays below. Errors of dls_contact_check; DLS_E_ARGUMENT
  * for another storage, DLS_E_SIZE for more than INT_MAX blocks, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_bodies_count(const dls_contact *problem, int *count,
@@ -94,9 +94,9 @@ DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_compone
                                                       dls_component col, const double *block,
                                                       int ld, double *W, int ldw, dls_error *error);
 
-/* Makes a problem of some candidates of another, so that a host condenses all of them once and
- * solves, step by step, for those that may touch. r and u of the candidate k of the subset belong
- * to candidate[k]; of the others r is 0.
+/* Makes a problem of some candidates of another one: reduce all candidates once, then solve in each
+ * step for those that may touch. r and u of candidate k of the subset belong to candidate[k]; r of
+ * the others is 0.
  *
  *   candidate  count of them, ascending, each from 0 to nc - 1; NULL for count = 0
  *   values     memory of W, q, mu of the subset: for a dense W (d count)^2 + (d + 1) count doubles,
@@ -126,11 +126,11 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  *   residual_r = sqrt( sum_c |D^-1 F_c|^2 ) / |r|        of forces
  *
  * F = 0 where the laws hold (Alart and Curnier 1991). |q| and |r| are taken over the contacts that
- * touch, v_n >= 0. A contact that is open, at whatever distance, enters no scale and no rounding
- * level. Both parts are needed: relative to |q| alone the reactions of a stiff support beside a
- * soft one can be wrong by percents at 1e-8; |r| alone would excuse positions where forces are
- * large. Neither part has a unit. Neither changes under r -> b r, (u,q) -> a u, W -> a/b W, a
- * change of the order of contacts, or (d = 3) of the tangent frame.
+ * touch, v_n >= 0. Open contacts, at any distance, affect no scale and no rounding level. Both
+ * residuals are needed: with |q| alone the reactions of a stiff support beside a soft one can be
+ * wrong by percents at 1e-8; |r| alone would accept wrong positions under large forces. Both are
+ * without unit, and do not change under r -> b r, (u,q) -> a u, W -> a/b W, another order of the
+ * contacts, or (d = 3) another tangent frame.
  *
  * The rounding level is the residual that double precision leaves: floor_u = eps |e| / |q|,
  * floor_r = eps |D^-1 e| / |r|. With a = |W||r| + |q| by entries, e is
@@ -145,9 +145,9 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  * Where |q| = 0, | |W||r| | takes its place. Where |D^-1 F| is above |r|, as it is for r = 0 and F
  * not 0, it takes the place of |r|: residual_r is at most 1. All are 0 for r = 0 if F = 0.
  *
- * The other fields are for the reader, in the user's units; each is >= 0 and a largest value over
- * contacts. cone_violation to complementarity leave out a contact whose D r is at most 4 eps of the
- * largest entry of a_c: nothing but rounding. */
+ * The other fields are in your units; each is >= 0 and the largest value over the contacts.
+ * cone_violation to complementarity leave out a contact whose D r is at most 4 eps of the largest
+ * entry of a_c, that is, rounding. */
 typedef struct dls_certificate {
   double residual;        /* max(residual_u, residual_r, equilibrium)  1 */
   double residual_u;      /* of positions                              1 */
@@ -173,20 +173,19 @@ typedef struct dls_certificate {
 
 /* Measures r for this problem, from the user's W, q, mu alone. Allocates 4 m doubles, for bodies
  * 2 n count besides. r: m, finite.
- * u: receives W r + q, m; or NULL. Returns DLS_OK, which says nothing of the quality of r, or an
- * error. */
+ * u: receives W r + q, m; or NULL. Returns DLS_OK also for a bad r, or an error. */
 DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, const double *r,
                                                     double *u, dls_certificate *certificate,
                                                     dls_error *error);
 
 /* Returns 1 if each part of the residual is at most max(tol, 4 floor) with its own floor, and
- * 4 floor <= max(tol, 1e-8) for all of them; NaN gives 0. A larger floor says that r is so large
- * (run away in the null space of W, say) that rounding hides u and q in the residual. */
+ * 4 floor <= max(tol, 1e-8) for all of them; NaN gives 0. A larger floor means that r is so large
+ * (for example in the null space of W) that rounding hides u and q in the residual. */
 DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol);
 
-/* Returns DLS_OK where the certificate holds; DLS_TO_ROUNDING where it would but for floors between
- * max(tol, 1e-8) and 1e-4: no double can better such an answer, whose positions are right to about
- * 4 floor_u and forces to 4 floor_r; DLS_STALLED else. */
+/* Returns DLS_OK if the certificate holds; DLS_TO_ROUNDING if it fails only because a floor lies
+ * between max(tol, 1e-8) and 1e-4: double precision cannot improve such an answer, whose positions
+ * are right to about 4 floor_u and forces to 4 floor_r; else DLS_STALLED. */
 DLS_API dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol);
 
 /* Returns the state of every contact, by the branch of F_c: free if v_n < 0, stick if |v_t| <= R,
@@ -196,8 +195,8 @@ DLS_API DLS_MUST_USE dls_status dls_contact_states(const dls_contact *problem, c
                                                    const double *u, dls_contact_state *state,
                                                    dls_error *error);
 
-/* Returns |F_c| of every contact, which shows where an answer is wrong: the root of the sum of
- * their squares over |q| of the contacts that touch is residual_u. u: as above. misfit: nc; length
+/* Computes |F_c| of each contact, which shows where an answer is wrong: residual_u is the root of
+ * the sum of their squares, over |q| of the contacts that touch. u: as above. misfit: nc; length
  * (velocity) */
 DLS_API DLS_MUST_USE dls_status dls_contact_misfits(const dls_contact *problem, const double *r,
                                                     const double *u, double *misfit,

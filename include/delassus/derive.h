@@ -4,10 +4,10 @@
  *   on W   u = W r + q and the laws of contact.h           data W, q, mu      answer r, u
  *   on K   K x = f + H r, u = H^T x + g and these laws     data K, f, g, mu   answer r, u, x
  *
- * The answer is a smooth function of the data where no contact is on the border of two states and
- * the reactions are determined. Create factors one matrix; each gradient or direction then takes
- * one solve with it. The derivatives are exact to rounding for an exact r, and as accurate as r
- * otherwise (dls_contact_prove improves r to rounding). Formulas: src/facts/derive.c.
+ * The answer is a smooth function of the data if no contact is on the border of two states and the
+ * reactions are determined. Create factorises one matrix; each gradient or direction then takes one
+ * solve with it. The derivatives are exact to rounding for an exact r, and as accurate as r
+ * otherwise (dls_contact_prove improves r to rounding).
  *
  * Create refuses an answer without derivatives by DLS_E_NO_DERIVATIVE:
  *
@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 /* The data, m = d nc: a gradient dL/ddata, or a change of the data. Fields of the other kind of
- * object have to be NULL. */
+ * object must be NULL. */
 typedef struct dls_derive_data {
   double *mu; /* contacts */
   double *q;  /* on W: m; as a gradient a, dL/dW = a r^T                     length (velocity) */
@@ -57,20 +57,20 @@ typedef struct dls_derive_answer {
 /* The derivatives at one answer. One call at a time on an object (DLS_E_BUSY). */
 typedef struct dls_derive dls_derive;
 
-/* Factors the matrix of the states of r. *out = NULL on error. problem: borrowed, as it is, until
- * destroy. r: m. O(rows^3) operations, m^2 doubles. DLS_E_NO_DERIVATIVE; DLS_E_ARGUMENT, also for
- * an r with a residual above 1e-4; DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+/* Factorises the matrix of the states of r. *out = NULL on error. problem: borrowed, as it is,
+ * until destroy. r: m. O(rows^3) operations, m^2 doubles. DLS_E_NO_DERIVATIVE; DLS_E_ARGUMENT, also
+ * for an r with a residual above 1e-4; DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_contact *problem,
                                                   const double *r, int side, dls_error *error);
 
 /* Works as dls_derive_create for the body of a reduction, made on W or on K, and its answer (r, x)
  * for the last load. The reduction must not be updated until destroy. mu: one for each contact;
- * NULL: model.mu. r: m; x: n. K may be singular where contacts alone hold a body; (r, x) is in
- * equilibrium without the springs of held modes. Factors a sparse matrix of K and the contacts.
+ * NULL: model.mu. r: m; x: n. K may be singular if contacts alone hold a body; (r, x) is in
+ * equilibrium without the springs of held modes. Factorises a sparse matrix of K and the contacts.
  *
- * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factors
- * nothing, and load f and g. DLS_E_UNSUPPORTED for a flexibility or a host's solver: there
- * dls_derive_create gives dL/dq, and the host's own solver dL/df = K^-T (H dL/dq + dL/dx).
+ * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factorises
+ * nothing, and load f and g. DLS_E_UNSUPPORTED for a flexibility or a host's solver: use
+ * dls_derive_create for dL/dq, and your own solver for dL/df = K^-T (H dL/dq + dL/dx).
  * Redundant joints (model.h) carry no force: derivatives with respect to their loads are 0, and a
  * change of K is one of all copies of a joint alike. */
 DLS_API DLS_MUST_USE dls_status dls_derive_create_body(dls_derive **out, dls_reduction *reduction,
@@ -84,11 +84,12 @@ DLS_API DLS_MUST_USE dls_status dls_derive_vjp(dls_derive *derive, const dls_der
                                                const dls_derive_data *gradient, dls_error *error);
 
 /* Computes the change of the answer, the Jacobian-vector product: fills the arrays of *moved that
- * are not NULL from those of *change; NULL there: 0. As dls_derive_vjp. */
+ * are not NULL from those of *change; NULL there: 0. Allocation, overlap and errors of
+ * dls_derive_vjp. */
 DLS_API DLS_MUST_USE dls_status dls_derive_jvp(dls_derive *derive, const dls_derive_data *change,
                                                const dls_derive_answer *moved, dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_derive_destroy(dls_derive *derive);
 
 #ifdef __cplusplus

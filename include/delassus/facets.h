@@ -12,12 +12,12 @@
  *
  * and one, z = r_n, y = u_n, for one with mu = 0. lambda is the size of the slip. The polygon lies
  * inside the disc: reactions never leave the round cone, and friction falls short of mu r_n by at
- * most the part 1 - cos(pi / facets), 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes that
+ * most the fraction 1 - cos(pi / facets), 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes that
  * error.
  *
- * d = 1 and 2 have facets = 2, the directions t and -t, and no error: 4 rows per candidate where
- * dls_contact_to_lcp has 3. It is the form to prefer where that one ends in a ray: with W positive
- * definite there is none here, whatever mu (lcp/facets.c).
+ * d = 1 and 2 have facets = 2, the directions t and -t, and no error: 4 rows per contact where
+ * dls_contact_to_lcp has 3. Use this form if the other one ends in a ray: with W positive definite
+ * it has none, for each mu.
  */
 #ifndef DELASSUS_FACETS_H
 #define DELASSUS_FACETS_H
@@ -34,16 +34,16 @@ extern "C" {
  * 2; even, 4 to DLS_FACETS_MAX, where d = 3), and where the size does not fit an int. */
 DLS_API int dls_contact_facets_size(const dls_contact *problem, int facets);
 
-/* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_facets_size, in
- * scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none.
- * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each
- * other, s or the problem; rows n .. ldm-1 of M are left alone. Allocates nothing. DLS_E_ARGUMENT,
- * DLS_E_SIZE, DLS_E_NOT_FINITE. */
+/* Forms M (n x n, leading dimension ldm >= n) and q (n) of the LCP above, n =
+ * dls_contact_facets_size, in scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or
+ * NULL for none. s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not
+ * overlap each other, s or the problem; rows n .. ldm-1 of M are left alone. Allocates nothing.
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets,
                                                           const double *s, double *M, int ldm,
                                                           double *q, dls_error *error);
 
-/* r (d nc) := the reactions that z (n) stands for; facets and s as above. */
+/* Computes the reactions r (d nc) of z (n); facets and s as above. */
 DLS_API DLS_MUST_USE dls_status dls_contact_from_facets_lcp(const dls_contact *problem, int facets,
                                                             const double *s, const double *z,
                                                             double *r, dls_error *error);

@@ -24,30 +24,32 @@ typedef struct dls_fe_mesh {
   int *quad; /* 4 * quads, counterclockwise, convex */
 } dls_fe_mesh;
 
-/* *mesh := the rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two triangles
- * by the diagonal from its bottom-right to its top-left corner; node i + j (nx+1) stands at
- * (i lx/nx, j ly/ny). Ignores what *mesh held before, and leaves it on error. Release with
- * dls_fe_mesh_free, which zeroes the struct. lx, ly > 0: length. nx, ny >= 1.
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_MEMORY. */
+/* Makes *mesh, the rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two
+ * triangles by the diagonal from its bottom-right to its top-left corner; node i + j (nx+1) stands
+ * at (i lx/nx, j ly/ny). Ignores what *mesh held before, and leaves it on error. Release with
+ * dls_fe_mesh_free, which zeroes the struct. lx, ly > 0: length. nx, ny >= 1. DLS_E_ARGUMENT,
+ * DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx,
                                                   int ny, dls_error *error);
 /* Works as dls_fe_mesh_block, with the rectangles themselves as four-node elements. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mesh_quads(dls_fe_mesh *mesh, double lx, double ly, int nx,
                                                   int ny, dls_error *error);
-DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh); /* NULL is fine */
 
-/* K (2 nodes x 2 nodes, column-major, leading dimension ldk) := the stiffness of linear elasticity
- * in plane strain, small strain, unit thickness, K = sum of the integrals of B^T D B over the
- * elements (four-node ones: 2 x 2 Gauss points); symmetric to the last bit. E > 0, -1 < nu < 1/2.
- * E: force / length^2; K: force / length (per unit thickness). DLS_E_ARGUMENT, also for an element
- * that is flat, clockwise or not convex (index = its place in node or quad); DLS_E_SIZE,
+/* Frees the arrays of the mesh; NULL is fine. */
+DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh);
+
+/* Computes K (2 nodes x 2 nodes, column-major, leading dimension ldk), the stiffness of linear
+ * elasticity in plane strain, small strain, unit thickness, K = sum of the integrals of B^T D B
+ * over the elements (four-node ones: 2 x 2 Gauss points); symmetric to the last bit. E > 0, -1 < nu
+ * < 1/2. E: force / length^2; K: force / length (per unit thickness). DLS_E_ARGUMENT, also for an
+ * element that is flat, clockwise or not convex (index = its place in node or quad); DLS_E_SIZE,
  * DLS_E_NOT_FINITE. Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu,
                                                  double *K, int ldk, dls_error *error);
 
-/* *of_E, *of_nu := dL/dE, dL/dnu of a loss L through the stiffness alone, from f = dL/df as
- * dls_derive_body_vjp gives it: -f^T (dK/dE) x, -f^T (dK/dnu) x. f, displacement: 2 nodes, with
- * zeros where the mesh is supported. Statuses as dls_fe_stiffness. Allocates nothing. */
+/* Computes *of_E = dL/dE and *of_nu = dL/dnu of a loss L through the stiffness alone, from f =
+ * dL/df of dls_derive_vjp: -f^T (dK/dE) x, -f^T (dK/dnu) x. f, displacement: 2 nodes, with zeros at
+ * the supports. Statuses of dls_fe_stiffness. Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_fe_material_gradient(const dls_fe_mesh *mesh, double E,
                                                          double nu, const double *f,
                                                          const double *displacement, double *of_E,
@@ -60,9 +62,11 @@ typedef struct dls_fe_matrix {
   void *memory; /* of the arrays of A */
 } dls_fe_matrix;
 
-DLS_API void dls_fe_matrix_free(dls_fe_matrix *matrix); /* NULL is fine */
+/* Frees the arrays of the matrix; NULL is fine. */
+DLS_API void dls_fe_matrix_free(dls_fe_matrix *matrix);
 
-/* *K := dls_fe_stiffness as a sparse matrix of the unknowns that `unknown` numbers: unknown[k] is
+/* Computes *K, the stiffness of dls_fe_stiffness as a sparse matrix of the unknowns that `unknown`
+ * numbers: unknown[k] is
  * the row and column, 0 .. unknowns-1, of the mesh's unknown k (2 nodes), or -1 where it is
  * supported. Unknowns of the mesh that share a number move together. unknown NULL: all 2 nodes, in
  * order; `unknowns` is then not read. Ignores what *K held before, and leaves it on error.
@@ -77,20 +81,20 @@ typedef enum dls_fe_mass_kind {
   DLS_FE_LUMPED = 2      /* their sums over b on the diagonal */
 } dls_fe_mass_kind;
 
-/* *M := the mass matrix, numbered as dls_fe_sparse_stiffness numbers K. rho > 0: mass / length^3;
- * M: mass (per unit thickness). Statuses as there. */
+/* Computes *M, the mass matrix, numbered as dls_fe_sparse_stiffness numbers K. rho > 0: mass /
+ * length^3; M: mass (per unit thickness). Statuses as there. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mass(const dls_fe_mesh *mesh, double rho,
                                             dls_fe_mass_kind kind, const int *unknown, int unknowns,
                                             dls_fe_matrix *M, dls_error *error);
 
-/* f (2 nodes) += the traction (tx, ty) on the edge between nodes a and b, lumped half and half.
+/* Adds the traction (tx, ty) on the edge between nodes a and b to f (2 nodes), half to each node.
  * Traction: force / length^2. Looks at the two nodes only. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx,
                                                  double ty, double *f, dls_error *error);
 
-/* stress (3 * elements: xx, yy, xy) of a displacement (2 * nodes), plane strain; of a four-node
- * element at its centre. It must not overlap displacement. Statuses as dls_fe_stiffness. Allocates
- * nothing. */
+/* Computes the stress (3 * elements: xx, yy, xy) of a displacement (2 * nodes), plane strain; of a
+ * four-node element at its centre. It must not overlap displacement. Statuses as dls_fe_stiffness.
+ * Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu,
                                               const double *displacement, double *stress,
                                               dls_error *error);
@@ -98,20 +102,20 @@ DLS_API DLS_MUST_USE dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E,
 /* A scene: mesh, supports, loads, contact line, friction, ready for dls_reduction_create. */
 typedef struct dls_fe_scene dls_fe_scene;
 
-/* Names and one-line descriptions of the built-in scenes, index 0 .. ; NULL past the last. */
+/* Return names and one-line descriptions of the built-in scenes, index 0 ..; NULL past the last. */
 DLS_API const char *dls_fe_scene_name(int index);
 DLS_API const char *dls_fe_scene_description(int index);
 
-/* The loads of a scene that has more than one way to come on. With friction the answer depends on
- * the way: each of two steps starts from where the first has left the contact line. */
+/* Order in which the loads of a scene are applied. With friction the answer depends on it: the
+ * second step starts from the state that the first has left. */
 typedef enum dls_fe_order {
   DLS_FE_TOGETHER = 0,  /* one step, as in the paper */
-  DLS_FE_TOP_FIRST = 1, /* the pressure on top alone, then the traction on the side besides */
+  DLS_FE_TOP_FIRST = 1, /* first the pressure on top, then also the traction on the side */
   DLS_FE_SIDE_FIRST = 2
 } dls_fe_order;
 
-/* Fill by dls_fe_scene_settings_init, then change what you like; NULL in their place: the
- * defaults. */
+/* Settings: call dls_fe_scene_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. */
 typedef struct dls_fe_scene_settings {
   size_t size;        /* set by init; settings without it are refused */
   int nx, ny;         /* rectangles along x and y; 0: the scene's own; 0 */
@@ -125,18 +129,22 @@ typedef struct dls_fe_scene_settings {
   dls_fe_order order; /* DLS_FE_TOGETHER */
 } dls_fe_scene_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_fe_scene_settings_init(dls_fe_scene_settings *settings);
 
-/* *out = scene `name` with concentrated (weighted = 0) or weighted reactions; NULL on error. The
- * model has a dense K up to 1000 unknowns, beyond a sparse one. DLS_E_ARGUMENT if there is no scene
- * of that name or a setting is out of range; DLS_E_SETTINGS, DLS_E_SIZE, DLS_E_MEMORY. */
+/* Creates the scene `name` with concentrated (weighted = 0) or weighted reactions: *out, NULL on
+ * error. The model has a dense K up to 1000 unknowns, beyond a sparse one. DLS_E_ARGUMENT if there
+ * is no scene of that name or a setting is out of range; DLS_E_SETTINGS, DLS_E_SIZE, DLS_E_MEMORY.
+ * */
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name,
                                                     int weighted, dls_error *error);
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_create_with(dls_fe_scene **out, const char *name,
                                                          int weighted,
                                                          const dls_fe_scene_settings *settings,
                                                          dls_error *error);
-DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene); /* NULL is fine */
+
+/* Frees the scene; NULL is fine. */
+DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene);
 
 /* Input of the reduction, all owned by the scene. Supported unknowns are taken out of the model,
  * which has fewer unknowns than 2 * nodes of the mesh. */
@@ -156,11 +164,11 @@ typedef struct dls_fe_scene_data {
   const double *cell;        /* candidates: length of the dual cell, the paper's M      length */
 } dls_fe_scene_data;
 
-/* *data := views of the scene, which live as long as it does; all zero if scene is NULL. */
+/* Sets *data to views of the scene, which live as long as it does; all zero if scene is NULL. */
 DLS_API void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data);
 
-/* displacement (2 * mesh nodes) := the model's unknowns x (model.n) with the supports' zeros put
- * back; it must not overlap x. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
+/* Copies the model's unknowns x (model.n) into displacement (2 * mesh nodes), with zeros at the
+ * supports; it must not overlap x. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_displacement(const dls_fe_scene *scene,
                                                           const double *x, double *displacement,
                                                           dls_error *error);

@@ -1,19 +1,19 @@
 /*
  * delassus/files.h: reads and writes contact problems as FCLIB files (HDF5; Acary et al., INRIA
  * RT-0444) and dense matrices as Matrix Market files; reads sparse matrices from Matrix Market and
- * CalculiX files and small problems from text. docs/files.md says what each file holds.
+ * CalculiX files and small problems from text. The guide, "Files", describes them.
  *
  * These functions are in a library of their own, libdelassus-files: link -ldelassus-files
- * -ldelassus (pkg-config delassus-files). Built without HDF5 it answers DLS_E_UNSUPPORTED to the
- * dls_fclib_ functions.
+ * -ldelassus (pkg-config delassus-files). Without HDF5 the dls_fclib_ functions return
+ * DLS_E_UNSUPPORTED.
  *
  *   fclib_local   W, vectors/q, vectors/mu, spacedim            u = W r + q
  *   fclib_global  M, H, vectors/f, vectors/w, vectors/mu        M v = H r + f,  u = H^T v + w
  *                 G, vectors/b (optional: joints)               + G l,  G^T v + b = 0
  *   solution      v, r, u                                       (optional in both)
  *
- * HDF5 is as a rule built without locks: the dls_fclib_ functions let one thread at a time in, but
- * know nothing of a host that calls HDF5 by itself.
+ * HDF5 usually has no locks. The dls_fclib_ functions let one thread at a time in; a host that
+ * calls HDF5 itself must not do so at the same time.
  */
 #ifndef DELASSUS_FILES_H
 #define DELASSUS_FILES_H
@@ -25,7 +25,7 @@
 extern "C" {
 #endif
 
-/* The contents of a file in memory; owns every array that the functions below hand out. */
+/* The contents of a file in memory; owns the arrays that the functions below return. */
 typedef struct dls_fclib dls_fclib;
 
 /* Reads the problem in file `path` into a new *out, NULL on error. DLS_E_FILE: cannot be opened.
@@ -41,11 +41,11 @@ DLS_API int dls_fclib_is_global(const dls_fclib *file);
 /* Returns "title" of the info group, "" if there is none. Lives as long as file. */
 DLS_API const char *dls_fclib_title(const dls_fclib *file);
 
-/* Hands out a local problem: W (by blocks), q, mu. DLS_E_ARGUMENT if the problem is global. */
+/* Returns a local problem: W (by blocks), q, mu. DLS_E_ARGUMENT if the problem is global. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem,
                                                   dls_error *error);
 
-/* Hands out a global problem: M as a sparse stiffness (DLS_LU) and H, split into H_N and H_T, in
+/* Returns a global problem: M as a sparse stiffness (DLS_LU) and H, split into H_N and H_T, in
  * *model; *f: n, *g: the w of the file, d nc, *mu: nc. With joints the unknowns are v, then the
  * multipliers l; K = (M -G; -G^T 0), and *f is f, then b.
  * DLS_E_ARGUMENT if the problem is local. */
@@ -53,26 +53,26 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_model(const dls_fclib *file, dls_model
                                                 const double **f, const double **g,
                                                 const double **mu, dls_error *error);
 
-/* Hands out a global problem of rigid bodies as one of bodies: M has blocks of 3 (d - 1) rows, each
+/* Returns a global problem of rigid bodies as one of bodies: M has blocks of 3 (d - 1) rows, each
  * symmetric and positive definite, no joint, and no candidate moves more than two of them; q is w +
- * H^T M^-1 f. The v of the file is M^-1 (H r + f). DLS_E_UNSUPPORTED where it is none: take
+ * H^T M^-1 f. The v of the file is M^-1 (H r + f). DLS_E_UNSUPPORTED for another problem: use
  * dls_fclib_model. DLS_E_ARGUMENT if the problem is local. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem,
                                                  dls_error *error);
 
-/* Hands out the solution that the file holds. *r, *u: m each, NULL if there is none. */
+/* Returns the solution that the file holds. *r, *u: m each, NULL if there is none. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_solution(const dls_fclib *file, const double **r,
                                                    const double **u, dls_error *error);
 
 /* Frees the contents and all their arrays; NULL is fine. */
 DLS_API void dls_fclib_destroy(dls_fclib *file);
 
-/* Writes a local problem to `path`, anew. title: "" or NULL for none. r, u: m each, both NULL for
- * no solution group. After any error an old file is as it was: the new one is written beside it,
- * brought to the disk and renamed; a link stays one. The file is built in memory first (once its
- * size). Equal problems give equal bytes. Numbers read back are those that were written, but
- * entries equal to 0 of a dense W or K are left out (so -0.0 is 0 there) and blocks of one place
- * are one block. */
+/* Writes a local problem to `path` and replaces an old file. title: "" or NULL for none. r, u: m
+ * each, both NULL for no solution group. After an error the old file is unchanged: the new one is
+ * written beside it, brought to the disk and renamed; a link stays a link. The file is built in
+ * memory first (once its size). Equal problems give equal bytes, and numbers read back are those
+ * that were written. Zeros of a dense W or K are left out (-0.0 becomes 0), and blocks of the same
+ * place become one. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_write_local(const char *path, const dls_contact *problem,
                                                       const char *title, const double *r,
                                                       const double *u, dls_error *error);
@@ -88,18 +88,18 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_write_global(const char *path, const d
                                                        const double *x, const double *r,
                                                        const double *u, dls_error *error);
 
-/* Reads a real Matrix Market file, array or coordinate, general, symmetric or skew-symmetric, as
- * a dense matrix. *a: new array of *rows * *cols doubles, column-major, to be given to
- * dls_mtx_free; NULL on error. Entries of the same place add up. The host's locale does not
- * matter. DLS_E_FILE, DLS_E_FORMAT (index = line, from 1; NaN and Inf too), DLS_E_UNSUPPORTED
- * (complex, pattern), DLS_E_SIZE, DLS_E_MEMORY. */
+/* Reads a real Matrix Market file, array or coordinate, general, symmetric or skew-symmetric, as a
+ * dense matrix. *a: new array of *rows * *cols doubles, column-major, which dls_mtx_free frees;
+ * NULL on error. Entries of the same place add up. The host's locale does not matter. DLS_E_FILE,
+ * DLS_E_FORMAT (index = line, from 1; NaN and Inf too), DLS_E_UNSUPPORTED (complex, pattern),
+ * DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a,
                                              dls_error *error);
 DLS_API void dls_mtx_free(double *a);
 
 /* Reads a Matrix Market file of the same kinds as compressed columns: a symmetric matrix with both
- * triangles, an array without its zeros. The three arrays of *A are new and go back by
- * dls_mtx_free_sparse; *A is untouched on error. *symmetric (or NULL) := 1 if the banner says
+ * triangles, an array without its zeros. The three arrays of *A are new; dls_mtx_free_sparse
+ * frees them. *A is untouched on error. *symmetric (or NULL) := 1 if the banner says
  * so. Errors of dls_mtx_read. */
 DLS_API DLS_MUST_USE dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric,
                                                     dls_error *error);
@@ -123,7 +123,7 @@ DLS_API DLS_MUST_USE dls_status dls_mtx_write(const char *path, const dls_dense 
 DLS_API DLS_MUST_USE dls_status dls_mtx_write_commented(const char *path, const dls_dense *A,
                                                         const char *comment, dls_error *error);
 
-/* A small problem in text, in memory; owns all that the functions below hand out. A line is a key
+/* A small problem in text, in memory; owns all that the functions below return. A line is a key
  * and its text; # begins a comment line. The lines of a contact problem and of an LCP:
  *
  *   contact d nc      lcp n
@@ -131,8 +131,8 @@ DLS_API DLS_MUST_USE dls_status dls_mtx_write_commented(const char *path, const 
  *   q    m numbers    q       n numbers, decimals or fractions p/q
  *   mu   nc numbers
  *
- * in any order after the first. Lines with other keys are kept as they are: data/failures/README.md
- * has those of the catalogue, such as `solution`. */
+ * in any order after the first. Lines with other keys, such as `solution`, are kept as they
+ * are. */
 typedef struct dls_text dls_text;
 
 /* Reads the problem in file `path` into a new *out, NULL on error. DLS_E_FILE, DLS_E_FORMAT (index
@@ -152,7 +152,7 @@ DLS_API const char *dls_text_line(const dls_text *text, int k, const char **key)
 /* Reads exactly `count` numbers from a text; returns 0 if there are more or less. */
 DLS_API int dls_text_numbers(const char *text, int count, double *x);
 
-/* Hand out the problem; of an LCP n, M (n x n, column-major) and q (n). DLS_E_ARGUMENT if it is of
+/* Return the problem; of an LCP n, M (n x n, column-major) and q (n). DLS_E_ARGUMENT if it is of
  * the other kind. */
 DLS_API DLS_MUST_USE dls_status dls_text_contact(const dls_text *text, dls_contact *problem,
                                                  dls_error *error);

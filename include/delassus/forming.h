@@ -1,16 +1,16 @@
 /*
  * delassus/forming.h: the forming scenes of [Chabrand 1998] section 5 in the finite element module
  * (libdelassus-fe): a body of four-node elements Q4/P0, plane strain or axisymmetric, finite
- * elastoplasticity, pressed against a rigid profile with Coulomb friction, step by step.
+ * elastoplasticity, pressed against a rigid profile with Coulomb friction, in load steps.
  *
- * A step is the paper's Table 1: a contact loop that renews the local frames of the candidates, and
- * within it the equilibrium loop, Newton's method with frozen frames, whose every linearised
- * contact problem
+ * A step is the paper's Table 1: a contact loop that updates the local frames of the contacts, and
+ * within it the equilibrium loop, Newton's method with frozen frames. Each linearised contact
+ * problem
  *
  *   K dx = -F(x) + H r,   u = H^T dx + g(x),   the laws of contact.h between u and r     (24), (25)
  *
- * is solved by the method of choice. A step is done when equilibrium and contact.h's certificate
- * hold.
+ * is solved by the method of settings.contact. A step is done when equilibrium and contact.h's
+ * certificate hold.
  */
 #ifndef DELASSUS_FORMING_H
 #define DELASSUS_FORMING_H
@@ -21,88 +21,94 @@
 extern "C" {
 #endif
 
-/* Ways to solve a linearised contact problem. */
+/* Methods for a linearised contact problem. */
 typedef enum dls_forming_contact {
   DLS_FORMING_CONDENSED = 1,            /* W, q by the reduction, then settings.method */
   DLS_FORMING_GAUSS_SEIDEL = 2,         /* on the symmetric part of K, primal.h */
-  DLS_FORMING_AUGMENTED_LAGRANGIAN = 3, /* springs in K, multipliers renewed in the contact loop */
+  DLS_FORMING_AUGMENTED_LAGRANGIAN = 3, /* springs in K, multipliers updated in the contact loop */
   DLS_FORMING_PENALTY = 4               /* stiffer springs, no multipliers */
 } dls_forming_contact;
 
-/* Ways by which the linearised problems of a step are solved. Method auto tries the first three in
- * turn before it halves a step; every other method has one way. */
+/* The method that solved the linearised problems of a step. Method auto tries the first three in
+ * turn before it halves a step; each other method is the fourth. */
 typedef enum dls_forming_way {
-  DLS_FORMING_ON_K = 0,     /* auto: Newton's method on K, W where that does not settle */
+  DLS_FORMING_ON_K = 0,     /* auto: Newton's method on K, on W if that fails */
   DLS_FORMING_ON_W = 1,     /* auto: auto on W */
   DLS_FORMING_BY_LEMKE = 2, /* auto: Lemke's method on W */
   DLS_FORMING_BY_METHOD = 3 /* the method of the settings */
 } dls_forming_way;
 
-/* Fill by dls_forming_settings_init, then change what you like; NULL in their place: the
- * defaults. */
+/* Settings: call dls_forming_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. */
 typedef struct dls_forming_settings {
-  size_t size;                 /* set by init; settings without it are refused */
-  int nx, ny;                  /* elements along x and y; 0: the scene's own; 0 */
-  int steps;                   /* equal steps of the whole way; 0: the scene's own; 0 */
-  double mu;                   /* friction; < 0: the scene's own; -1 */
-  int clamped;                 /* indentation: the bottom sticks to its support; 0 */
-  int standard;                /* 1: standard elements instead of Q4/P0, to see locking; 0 */
-  int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
-  double ram_mu;               /* extrusion: friction at the ram; >= 0; 0 */
-  double penalty;              /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
+  size_t size;        /* set by init; settings without it are refused */
+  int nx, ny;         /* elements along x and y; 0: the scene's own; 0 */
+  int steps;          /* equal steps of the whole travel; 0: the scene's own; 0 */
+  double mu;          /* friction; < 0: the scene's own; -1 */
+  int clamped;        /* indentation: the bottom sticks to its support; 0 */
+  int standard;       /* 1: standard elements instead of Q4/P0, to see locking; 0 */
+  int keep_trace;     /* update (13) as printed instead of det be = 1; 0 */
+  double ram_mu;      /* extrusion: friction at the ram; >= 0; 0 */
+  double penalty;     /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
                                   penalty method; 0 */
-  int augmentations;           /* of the multipliers in a step at most; 0: as many as it takes, up
-                                  to the limit of the contact loop; 0 */
-  double relaxation;           /* Gauss-Seidel: see primal.h; 1 */
-  int aitken;                  /* Gauss-Seidel: see primal.h; 1 */
-  double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
-  double step_tol;             /* on the error of a step, below; < 1; 0: not estimated; 0 */
-  double cpu_seconds;          /* > 0: of the process in all steps together, then DLS_TIME_LIMIT;
+  int augmentations;  /* largest number of updates of the multipliers in a step; 0: the limit
+                                  of the contact loop; 0 */
+  double relaxation;  /* Gauss-Seidel: see primal.h; 1 */
+  int aitken;         /* Gauss-Seidel: see primal.h; 1 */
+  double tol;         /* on equilibrium and certificate; > 0; 1e-9 */
+  double step_tol;    /* on the error of a step, below; < 1; 0: not estimated; 0 */
+  double cpu_seconds; /* > 0: of the process in all steps together, then DLS_TIME_LIMIT;
                                   0: no limit; 0 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
   dls_method method; /* of the condensed problem; DLS_LEMKE. DLS_AUTO: on K itself first */
 } dls_forming_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_forming_settings_init(dls_forming_settings *settings);
 
 enum { DLS_FORMING_MOST_STEPS = 25 }; /* of Newton's method in an equilibrium loop */
 
-/* Names ("indentation", "extrusion") and one-line descriptions, index 0 ..; NULL past the last. */
+/* Return names ("indentation", "extrusion") and one-line descriptions, index 0 ..; NULL past the
+ * last. */
 DLS_API const char *dls_forming_name(int index);
 DLS_API const char *dls_forming_description(int index);
 
 typedef struct dls_forming dls_forming;
 
-/* *out = scene `name` at rest, NULL on error. DLS_E_ARGUMENT: no scene of that name, or a setting
- * outside its range, which *error names; DLS_E_NOT_FINITE: mu; DLS_E_SIZE: nx times ny elements are
- * too many; DLS_E_SETTINGS, DLS_E_MEMORY. */
+/* Creates the scene `name` at rest: *out, NULL on error. DLS_E_ARGUMENT: no scene of that name, or
+ * a setting outside its range, which *error names; DLS_E_NOT_FINITE: mu; DLS_E_SIZE: nx times ny
+ * elements are too many; DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char *name,
                                                    const dls_forming_settings *settings,
                                                    dls_error *error);
 
-/* Takes the next step. A step that fails is tried in the other ways (dls_forming_way), then taken
- * in two halves, and so on, six times. Halves are another load path, with another plastic answer;
- * which of very large steps are halved can depend on rounding, and so on the machine.
+/* Takes the next step. If a step fails, the other methods (dls_forming_way) are tried; then it is
+ * halved, up to six times. Halves are another load path, with another plastic answer. Rounding, and
+ * so the machine, can decide which of very large steps are halved.
  *
- * With step_tol > 0 every part of a step is taken once more, in two halves, which are kept if both
- * forces differ by at most step_tol times the largest force so far; else each half is taken in this
- * manner, six times, too. data.step_error sums the differences up. Without step_tol that is done
- * where the force jumps, by more than a quarter of the largest one so far beside its trend, to
+ * With step_tol > 0 each part of a step is repeated in two halves. The halves are kept if both
+ * forces differ by at most step_tol times the largest force so far; otherwise each half is treated
+ * in the same way, up to six times. data.step_error sums the differences. Without step_tol this is
+ * done only if the force departs from its trend by more than 25 % of the largest force so far, to
  * confirm the jump.
  *
- * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium and the law of
- * the springs hold; the certificate shows the penalty's error), and the body is one: see
- * dls_forming_fault_kind. DLS_FOLDED: at the end of the smallest part it is none. DLS_STALLED: the
- * smallest parts have failed, too. In both cases data.fault says where and why, and the state is
- * the last good one, somewhere within the step; the next call tries again. DLS_TIME_LIMIT: the time
- * of the settings is over; the state, too, is the last good one, and there is no fault.
- * DLS_E_ARGUMENT: all steps are done. DLS_E_MEMORY: unlike a solver, a step allocates, for the
- * reduction. */
+ *   DLS_OK          equilibrium and certificate hold to the tolerance, and there is no fault
+ *                   (dls_forming_fault_kind). Penalty: equilibrium and the law of the springs hold;
+ *                   the certificate shows the penalty's error
+ *   DLS_FOLDED      the smallest part of the step has a fault
+ *   DLS_STALLED     the smallest parts of the step failed
+ *   DLS_TIME_LIMIT  settings.cpu_seconds is over; no fault
+ *   DLS_E_ARGUMENT  all steps are done
+ *   DLS_E_MEMORY    a step allocates, for the reduction
+ *
+ * After DLS_FOLDED and DLS_STALLED data.fault says where and why. After these and DLS_TIME_LIMIT
+ * the state is the last good one, somewhere within the step; the next call tries again. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
-DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */
+/* Frees the scene; NULL is fine. */
+DLS_API void dls_forming_destroy(dls_forming *forming);
 
-/* Reasons for which a step is refused. Elements, corners and nodes count from 0, as in the files
+/* Why a step is refused. Elements, corners and nodes count from 0, as in the files
  * for ParaView. */
 typedef enum dls_forming_fault_kind {
   DLS_FORMING_NO_FAULT = 0,
@@ -120,17 +126,17 @@ typedef enum dls_forming_fault_kind {
 typedef struct dls_forming_fault {
   dls_forming_fault_kind kind;
   int element, corner, node; /* -1: none */
-  double travel;             /* that the refused step should have reached; length */
+  double travel;             /* target of the refused step; length */
   double value;              /* twice the area at the corner, depth, imbalance, .. */
   char text[96];             /* "element 37, corner 2 is inside out" */
 } dls_forming_fault;
 
-/* A tool or a support: what presses on the body from outside. */
+/* A tool or a support, which presses on the body. */
 typedef struct dls_forming_tool {
   const char *name;
   double force[2];       /* on the body, (x, y)                     force */
   int points;            /* of its outline, counterclockwise; 0: none is drawn */
-  const double *outline; /* 2 * points, where it stands      length */
+  const double *outline; /* 2 * points, current position      length */
 } dls_forming_tool;
 
 typedef struct dls_forming_mesh {
@@ -143,7 +149,7 @@ typedef struct dls_forming_mesh {
 typedef struct dls_forming_count {
   int parts;      /* steps, those of halved steps counted each */
   int halvings;   /* steps that were halved */
-  int handed;     /* steps that another way than the first one has solved */
+  int handed;     /* steps that another method than the first one solved */
   int compared;   /* steps that were compared with two halves */
   int held;       /* nodes that the ram takes along, of the last step */
   int frames;     /* passes of the contact loop; augmentations */
@@ -189,7 +195,7 @@ typedef struct dls_forming_data {
                                     axisymmetric: along the axis */
   double step_error;             /* with step_tol: estimate of the error of the force, summed over
                                     the steps                 force */
-  dls_forming_way way;           /* that solved the last step */
+  dls_forming_way way;           /* method that solved the last step */
   dls_forming_fault fault;       /* of the last step that was refused */
   int tools;
   const dls_forming_tool *tool; /* tools */
@@ -200,24 +206,24 @@ typedef struct dls_forming_data {
   dls_forming_energy energy;
 } dls_forming_data;
 
-/* *data := views; all zero if forming is NULL. */
+/* Sets *data to views of the scene; all zero if forming is NULL. */
 DLS_API void dls_forming_get(const dls_forming *forming, dls_forming_data *data);
 
-/* *problem := the last linearised contact problem that DLS_FORMING_CONDENSED condensed, of the
- * candidates that may touch; a view that lives until the next step. DLS_E_ARGUMENT: there is none
- * yet (DLS_AUTO condenses only what it cannot solve on K). */
+/* Returns the last linearised contact problem that DLS_FORMING_CONDENSED condensed, of the
+ * contacts that may touch: a view that lives until the next step. DLS_E_ARGUMENT: there is none
+ * yet (DLS_AUTO condenses only if it cannot solve on K). */
 DLS_API DLS_MUST_USE dls_status dls_forming_problem(const dls_forming *forming,
                                                     dls_contact *problem, dls_error *error);
 
-/* An unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node, Cauchy
- * stress and equivalent plastic strain per element (means of its points). An element with a corner
- * that a tool presses flat is written as the two triangles that meet there. DLS_E_FILE: cannot be
- * opened, or written (no file is left behind). */
+/* Writes an unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node,
+ * Cauchy stress and equivalent plastic strain per element (means of its points). An element with a
+ * corner that a tool presses flat is written as the two triangles that meet there. DLS_E_FILE:
+ * cannot be opened, or written (no file is left behind). */
 DLS_API DLS_MUST_USE dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path,
                                                       dls_error *error);
 
-/* The outlines of the tools where they stand, as polygons, with the index of the tool and its force
- * on the body. */
+/* Writes the outlines of the tools at their current positions, as polygons (.vtu), with the index
+ * of the tool and its force on the body. DLS_E_FILE. */
 DLS_API DLS_MUST_USE dls_status dls_forming_write_tools(const dls_forming *forming,
                                                         const char *path, dls_error *error);
 

@@ -12,7 +12,7 @@
  *   - with all of these joints (model.h), redundant ones too
  *
  * The answer is the pair (x, r). Its certificate has three parts: positions, forces, and the
- * equilibrium of each connected body (global/README.md).
+ * equilibrium of each connected body.
  */
 #ifndef DELASSUS_GLOBAL_H
 #define DELASSUS_GLOBAL_H
@@ -58,10 +58,10 @@ typedef struct dls_global_solver {
   dls_global_solve_fn solve;
 } dls_global_solver;
 
-/* Creates as dls_global_create, with the host's solver in the place of a factor: for models that
- * grow beyond any factor. *solver is copied; its data must live until dls_global_destroy. The host
+/* Works as dls_global_create, with the host's solver in place of a factor: for models that are too
+ * large for a factor. *solver is copied; its data must live until dls_global_destroy. The host
  * knows K and H (n x m: the active contacts, local order) and adds up A, or applies it. Newton
- * steps and proofs, which factor, are left out: DLS_NO_SOLUTION is never the answer. After
+ * steps and proofs, which factorise, are left out: it never returns DLS_NO_SOLUTION. After
  * dls_global_update the host has the new values of K and H before the next solve. */
 DLS_API DLS_MUST_USE dls_status dls_global_create_with(dls_global **out, const dls_model *model,
                                                        const dls_global_solver *solver,
@@ -104,14 +104,14 @@ typedef struct dls_global_info {
   double bytes;        /* in use during a solve that allocates nothing of its own */
 } dls_global_info;
 
-/* Foresees what dls_global_create and dls_global_solve take, from ordering and analysis, without a
- * factor. Takes what dls_global_create takes, and has its errors; where you go on to solve, create
- * and dls_global_get_info give the same figures and keep the analysis. */
+/* Estimates the cost of dls_global_create and dls_global_solve from ordering and analysis, without
+ * a factor. Arguments and errors of dls_global_create. If you will solve anyway, create and
+ * dls_global_get_info return the same figures and keep the analysis. */
 DLS_API DLS_MUST_USE dls_status dls_global_estimate(const dls_model *model, dls_global_info *info,
                                                     dls_error *error);
 
-/* Gives these figures for a problem made. O(1), but for K unsymmetric, where it analyses.
- * DLS_E_BUSY, DLS_E_MEMORY; DLS_E_UNSUPPORTED where the host has brought a solver. */
+/* Returns the cost of an existing problem. O(1); for an unsymmetric K it runs the analysis.
+ * DLS_E_BUSY, DLS_E_MEMORY; DLS_E_UNSUPPORTED with a solver of the host. */
 DLS_API DLS_MUST_USE dls_status dls_global_get_info(dls_global *global, dls_global_info *info,
                                                     dls_error *error);
 
@@ -120,12 +120,12 @@ DLS_API int dls_global_contacts(const dls_global *global);
 
 /* Returns the rigid motion b (n, largest entry near 1) that proves DLS_NO_SOLUTION after the last
  * solve, NULL after any other status. K b = 0 to the rounding of K, b^T f > 0, and (H^T b)_n >= mu
- * |(H^T b)_t| to rounding at every contact: whatever r the law allows, b^T (f + H r) > 0, and
- * nothing balances it. *body (or NULL): the first unknown of the connected body that moves most. A
- * b of multipliers alone, *body = -1, shows joints that contradict each other. */
+ * |(H^T b)_t| to rounding at each contact: b^T (f + H r) > 0 for each r that the law allows, so
+ * that nothing balances f. *body (or NULL): the first unknown of the connected body that moves
+ * most. A b of multipliers alone, *body = -1, shows joints that contradict each other. */
 DLS_API const double *dls_global_motion(const dls_global *global, int *body);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_global_destroy(dls_global *global);
 
 #ifdef __cplusplus

@@ -46,35 +46,36 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_certify(const dls_lcp *lcp, const double
                                                 dls_lcp_certificate *certificate, dls_error *error);
 
 /* Returns 1 if residual <= max(tol, 4 floor) and 4 floor <= max(tol, 1e-8), else 0; NaN gives 0.
- * (Of a z that ran away rounding hides y, and nothing is certified.) */
+ * (If z has grown without bound, rounding hides y, and nothing is certified.) */
 DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol);
 
 /* ---- Lemke ----------------------------------------------------------------------------------- */
 
-/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one exchange ("pivot")
- * at a time, y_i or z_i being 0 for every i; d > 0 is the covering vector ([C] (42) has d = 1).
- * It ends because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a
- * solution, or in a ray, along which it cannot decide. */
+/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one pivot at a time, with
+ * y_i = 0 or z_i = 0 for each i. d > 0 is the covering vector ([C] (42) has d = 1). The pivots are
+ * lexicographic; therefore the method ends: at z0 = 0, which is a solution, or in a ray, which
+ * decides nothing. */
 typedef struct dls_lemke_settings {
-  /* max_iterations: pivots, and rounds of `crash`; the method's own limit: 50 n + 1000.
-   * warm_start: begin at the basis of z as passed in, z_i basic where z_i > 0 and y_i elsewhere, as
-   * from the last time step; if that leads nowhere, cold. progress: every 50 pivots and every round
-   * of `crash` */
+  /* max_iterations: pivots, and rounds of `crash`; the method's own limit: 50 n + 1000. warm_start:
+   * start from the basis of z as passed in (z_i is basic where z_i > 0, else y_i), for example the
+   * last time step; if that fails, start cold. progress: called every 50 pivots and each round of
+   * `crash` */
   dls_limits limits;
   size_t size; /* set by init; settings without it are refused */
-  /* d, n of create, each > 0; copied. NULL, the default: the norms of the rows of M C, for column
-   * factors C that with some row factors bring the entries of M near 1; where this d ends in a ray
-   * without a proof, up to nine more, it times factors between 1/32 and 32 */
+  /* d, n of create, each > 0; copied. NULL, the default: the norms of the rows of M C, with column
+   * factors C that (with row factors) bring the entries of M near 1. If this d ends in a ray
+   * without a proof, up to nine more are tried: d times factors between 1/32 and 32 */
   const double *cover;
-  /* 1, the default, and no cover: first exchange many pairs at once (lcp/crash.c), each round for a
-   * factorisation of the basis or less, 2/3 (n/2)^3 flops if half of the z_i are basic. If that
-   * ends at a solution, after 5 to 10 rounds as a rule, there is no path. Else it gives up,
-   * commonly after one to six rounds, at the latest after 14 log(2 n) + 4, nothing of it is kept,
-   * and the path is the one without it. Of several solutions it may find another one than the path.
-   * 0, or with a `cover`: the path alone */
+  /* 1, the default, and no cover: pivot many pairs at once first. A round costs at most a
+   * factorisation of the basis, 2/3 (n/2)^3 flops if half of the z_i are basic. If that
+   * ends at a solution, usually after 5 to 10 rounds, no path is followed. Otherwise it gives up,
+   * usually after one to six rounds, at the latest after 14 log(2 n) + 4, and the path starts
+   * without it. Of several solutions it may find another one than the path. 0, or with a `cover`:
+   * the path alone */
   int crash;
 } dls_lemke_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_lemke_settings_init(dls_lemke_settings *settings);
 
 typedef struct dls_lemke_info {
@@ -82,14 +83,14 @@ typedef struct dls_lemke_info {
   int pivots;                      /* of all starts together */
   dls_lcp_certificate certificate; /* of the z that is returned */
   int starts;       /* paths: 1, or more when an answer could not be certified, or 0 */
-  int refreshes;    /* how often the table was computed anew from M */
+  int refreshes;    /* number of times that the table was recomputed from M */
   int crash_rounds; /* before the first path, see `crash`; not in pivots */
 } dls_lemke_info;
 
 typedef struct dls_lemke dls_lemke; /* workspace for n <= the n of create */
 
-/* *out := new workspace, NULL on error; the settings and the cover are copied. It holds
- * n (n + 1) + 330 n doubles or so. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
+/* Creates a workspace: *out, NULL on error. The settings and the cover are copied. It holds
+ * about n (n + 1) + 330 n doubles. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
  * DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
                                                  const dls_lemke_settings *settings,
@@ -100,37 +101,36 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
  *   DLS_OK              z is a solution: dls_lcp_certificate_holds
  *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, which holds
  *                       exactly for the numbers of M and q
- *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to 1e-14 (n + 10).
- *                       There may be a solution or none, unless theory adds something:
- *                       if M is copositive-plus (positive semidefinite, say), a ray means that
- *                       there is none, but for rounding. So it does where dls_lcp_check_farkas
- *                       measures dz as no more than 1e-14 (n + 10) from a proof
+ *   DLS_RAY             the path ended in a ray, which dls_lemke_ray returns, right to 1e-14 (n +
+ *                       10). A solution may or may not exist. Up to rounding there is none if M is
+ *                       copositive-plus (for example positive semidefinite), or if dz is within
+ *                       1e-14 (n + 10) of a proof by dls_lcp_check_farkas
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
  *   DLS_STALLED         rounding: an answer or a ray was reached that cannot be confirmed
- * or an error of dls_lcp_check. With a status > 0, z is the point met that has the smallest
+ * or an error of dls_lcp_check. With a status > 0, z is the point found with the smallest
  * residual. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z,
                                                 double *y, dls_lemke_info *info, dls_error *error);
 
-/* After DLS_RAY or DLS_NO_SOLUTION: the ray z + t dz, z0 + t dz0, t >= 0, [C] (49), the largest
- * dz_j being 1, and the covering vector it belongs to. z, dz, cover: n of the last problem, each
- * NULL if not wanted; so z0, dz0. DLS_E_ARGUMENT if the last solve did not end so. */
+/* Returns the ray after DLS_RAY or DLS_NO_SOLUTION: z + t dz, z0 + t dz0, t >= 0, [C] (49), with
+ * the largest dz_j = 1, and its covering vector. z, dz, cover: n of the last problem; each of them,
+ * z0 and dz0 may be NULL. DLS_E_ARGUMENT after another status. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0,
                                               double *dz, double *dz0, double *cover,
                                               dls_error *error);
 
-/* After DLS_NO_SOLUTION: v (n) with v >= 0, M^T v <= 0, q^T v < 0 in exact arithmetic, often of
- * whole numbers. DLS_E_ARGUMENT if the last solve did not end so. */
+/* Returns the proof after DLS_NO_SOLUTION: v (n) with v >= 0, M^T v <= 0, q^T v < 0 in exact
+ * arithmetic, often of integers. DLS_E_ARGUMENT after another status. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v,
                                                  dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_lemke_destroy(dls_lemke *workspace);
 
 /* ---- proofs, checked in O(n^2) --------------------------------------------------------------- */
 
-/* *violation := distance of (z, z0), (dz, dz0) from a secondary ray of LCP(M, q) with covering
- * vector `cover` (n, > 0): with y = M z + d z0 + q, dy = M dz + d dz0, it asks that
+/* Measures in *violation how far (z, z0), (dz, dz0) is from a secondary ray of LCP(M, q) with the
+ * covering vector `cover` (n, > 0). With y = M z + d z0 + q, dy = M dz + d dz0, a ray has
  *
  *   z, y, dz, dy >= 0,  dz0 >= 0,  z_i y_i = z_i dy_i = dz_i y_i = dz_i dy_i = 0,  z0 > 0,
  *   dz != 0.
@@ -144,7 +144,7 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_ray(const dls_lcp *lcp, const doub
                                                   const double *z, double z0, const double *dz,
                                                   double dz0, double *violation, dls_error *error);
 
-/* *violation := distance of v (n) from a proof (Farkas) that no z >= 0 has M z + q >= 0:
+/* Measures in *violation how far v (n) is from a proof (Farkas) that no z >= 0 has M z + q >= 0:
  *
  *   v >= 0,  M^T v <= 0,  q^T v < 0;   then  v^T (M z + q) = (M^T v)^T z + q^T v < 0.
  *
@@ -157,8 +157,8 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const d
 
 /* ---- 2D contact as an LCP -------------------------------------------------------------------- */
 
-/* Counts the rows of the LCP of a 2D contact problem: 3 for a candidate with mu > 0, 1 for one with
- * mu = 0; per candidate, z = (r_n, phi_2, lambda_2), y = (u_n, lambda_1, phi_1), with
+/* Counts the rows of the LCP of a 2D contact problem: 3 for a contact with mu > 0, 1 for one with
+ * mu = 0. Per contact, z = (r_n, phi_2, lambda_2), y = (u_n, lambda_1, phi_1), with
  *
  *   phi_1 = mu r_n - r_t,  phi_2 = mu r_n + r_t,  u_t = lambda_1 - lambda_2   [C] (39), (21)
  *
@@ -167,14 +167,14 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const d
  * unless d is 1 or 2, and where the size does not fit an int. */
 DLS_API int dls_contact_lcp_size(const dls_contact *problem);
 
-/* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_lcp_size, in
- * scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none.
- * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each
- * other, s or the problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED for d = 3. */
+/* Forms M (n x n, leading dimension ldm >= n) and q (n) of the LCP above, n = dls_contact_lcp_size,
+ * in scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none. s_c = 1 /
+ * sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each other, s or the
+ * problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED for d = 3. */
 DLS_API DLS_MUST_USE dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s,
                                                    double *M, int ldm, double *q, dls_error *error);
 
-/* r (m) := the reactions that z (n) stands for; s as above. */
+/* Computes the reactions r (m) of z (n); s as above. */
 DLS_API DLS_MUST_USE dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s,
                                                      const double *z, double *r, dls_error *error);
 

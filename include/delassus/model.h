@@ -18,15 +18,15 @@ typedef enum dls_operator {
   DLS_STIFFNESS_DENSE = 1,  /* K dense; LAPACK */
   DLS_STIFFNESS_SPARSE = 2, /* K sparse. Where no connected part of its graph has more than 250
                                unknowns (mass matrices of rigid bodies; DLS_CHOLESKY and up to four
-                               parts: 25) part by part as dense matrices, else DLS_CHOLESKY by
-                               supernodes and the others by MUMPS; in a build without MUMPS parts
-                               may have 8000 unknowns, more are DLS_E_UNSUPPORTED */
-  DLS_FLEXIBILITY = 3,      /* K^-1 given, dense; W is as symmetric as it is */
+                               parts: 25) it is factorised part by part as dense matrices, else
+                               DLS_CHOLESKY by supernodes and the others by MUMPS. Without MUMPS
+                               parts may have 8000 unknowns; more are DLS_E_UNSUPPORTED */
+  DLS_FLEXIBILITY = 3,      /* K^-1 given, dense; W is symmetric if K^-1 is */
   DLS_HOST_SOLVER = 4       /* the host solves with its own factorisation */
 } dls_operator;
 
-/* Of a K tagged as symmetric only the lower triangle is read, so that a full matrix and a lower
- * triangle serve alike.
+/* The kind of K. If it is symmetric, only the lower triangle is read: give the full matrix or its
+ * lower triangle.
  *
  * Joints are multipliers among the unknowns:
  *
@@ -34,14 +34,13 @@ typedef enum dls_operator {
  *
  *   G  a column for each joint                                  the unit of its b over that of x
  *   l  forces of the joints on the bodies, with the sign of -G  force (impulse)
- *   b  what the joint is to measure                             length (velocity)
+ *   b  prescribed value of G^T x                                length (velocity)
  *
  * in any order of the unknowns, by DLS_LDLT or DLS_LU. A multiplier is an unknown that H does not
  * touch, with K_jj = 0 and an entry beside an unknown with K_jj > 0; or with K_jj < 0: a joint that
- * gives way. Redundant joints are no error: of joints that depend on each other to 1e-12 those of
- * the first unknowns carry the forces. The multipliers of the others are 0; they are not
- * determined: any l with G l = 0 may be added, and x and r do not change. docs/modelling.md has
- * examples. */
+ * yields. Redundant joints are allowed: of joints that depend on each other to 1e-12 those of the
+ * first unknowns carry the forces, and the multipliers of the others are 0. (Any l with G l = 0 may
+ * be added without a change of x and r.) The guide, "How to model it", has examples. */
 typedef enum dls_factorization {
   DLS_CHOLESKY = 1, /* K symmetric positive definite */
   DLS_LU = 2,       /* K regular, symmetric or not; all its entries */

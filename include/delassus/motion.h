@@ -1,6 +1,6 @@
 /*
  * delassus/motion.h: bodies that move: the theta scheme with contact and friction, and paths of
- * equilibria. [Jean 1988] 2 and 3; docs/motion.md says when to take which law.
+ * equilibria. [Jean 1988] 2 and 3. The guide, "Bodies that move", says when to use which law.
  *
  *   M v' + C v + K x = f + H p/h,   gap = gap0 + H_n^T x - y_n,   u = H^T v - y'
  *   A = M + h theta C + h^2 theta^2 K                                 reduced once for a given h
@@ -53,7 +53,7 @@ typedef struct dls_motion_model {
   int nodes;                       /* contact nodes, >= 0 */
   dls_factorization factorization; /* of M, C, K and A: DLS_CHOLESKY, DLS_LDLT or DLS_LU; of
                                       DLS_CHOLESKY, with multipliers among the unknowns (model.h) A
-                                      is factored as DLS_LDLT */
+                                      is factorised as DLS_LDLT */
   dls_sparse M;                    /* n x n; M.p = NULL for a path */
   dls_sparse C;                    /* n x n; C.p = NULL for none; a path has none */
   dls_sparse K;                    /* n x n; K.p = NULL for none: rigid bodies */
@@ -63,7 +63,8 @@ typedef struct dls_motion_model {
   const double *gap;               /* nodes: gap at x = 0; NULL for 0; read by create only */
 } dls_motion_model;
 
-/* Fill by dls_motion_settings_init, then change what you like. */
+/* Settings: call dls_motion_settings_init, set h, then change fields. The default stands last in
+ * each comment. */
 typedef struct dls_motion_settings {
   dls_limits limits;  /* of the contact problem of a step; tol: 1e-12; warm_start: 1, from the
                          impulses of the step before */
@@ -74,26 +75,28 @@ typedef struct dls_motion_settings {
   double theta;       /* 1/2 <= theta <= 1; 1/2 */
   double restitution; /* e, 0 <= e <= 1, of the velocity form; 0 */
   double activation;  /* >= 0: gap below which a candidate is closed in the velocity form; a small
-                         part of the bodies' size where they rest on each other; 0     length */
-  double forecast;    /* 0 <= forecast <= 1: part of the step by which the gap is foreseen; 1/2 */
-  int stabilize;      /* path: 1: bodies that nothing but contact holds, on K; a singular K goes
-                         there by itself, with method auto; 0 */
+                         fraction of the bodies' size if they rest on each other; 0     length */
+  double forecast;    /* 0 <= forecast <= 1: fraction of the step after which the gap is predicted;
+                         1/2 */
+  int stabilize;      /* path: 1: solve on K, for bodies that contact alone holds; a singular K is
+                         solved there in any case, with method auto; 0 */
 } dls_motion_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_motion_settings_init(dls_motion_settings *settings);
 
 typedef struct dls_motion dls_motion;
 
-/* *out := the bodies at rest at x = 0, NULL on error. Reduces A: the memory is that of
- * dls_reduction_create and dls_solver_create, and O(n + nnz). All arguments are checked before any
- * work: DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ...
- * and the index. The errors of dls_reduction_create: of a singular A they name M, on a path K. */
+/* Creates a motion: *out, the bodies at rest at x = 0; NULL on error. Reduces A. Memory: that of
+ * dls_reduction_create and dls_solver_create, and O(n + nnz). Checks all arguments before any work:
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ... and
+ * the index. The errors of dls_reduction_create: of a singular A they name M, on a path K. */
 DLS_API DLS_MUST_USE dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,
                                                   const dls_motion_settings *settings,
                                                   dls_error *error);
 
-/* Starts anew from x and v (n; NULL for 0; a path has no v) at time t: impulses, slip, works, the
- * obstacle's way and the count of steps become 0. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
+/* Restarts from x and v (n; NULL for 0; a path has no v) at time t: impulses, slip, works, the
+ * travel of the obstacle and the count of steps become 0. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_motion_start(dls_motion *motion, const double *x,
                                                  const double *v, double t, dls_error *error);
 
@@ -102,18 +105,19 @@ DLS_API DLS_MUST_USE dls_status dls_motion_start(dls_motion *motion, const doubl
  * NULL for 0); info or NULL: of the contact problem.
  *
  * DLS_OK: the contact problem is certified to limits.tol. Any other status, > 0 or an error: the
- * state is that of the step before; the host may take other limits, or a smaller h, and try again.
- * One solve with A and half of one. Allocates nothing (MUMPS does). */
+ * state is that of the last step; change the limits or reduce h, and try again. Takes one and a
+ * half solves with A. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_motion_step(dls_motion *motion, const double *f,
                                                 const double *y, const double *mu, dls_info *info,
                                                 dls_error *error);
 
-/* Changes the step h from the next step on: A is formed and factored anew, on the old pattern. The
- * state stays. After another error than that of a wrong h only start, set_h and destroy are left.
- * DLS_E_ARGUMENT, the errors of dls_reduction_update. On a path h is nothing but the unit of y'. */
+/* Changes the step h from the next step on: forms and factorises A again, on the old pattern. The
+ * state stays. On a path h is only the unit of y'. DLS_E_ARGUMENT for a wrong h, and the errors of
+ * dls_reduction_update, after which only start, set_h and destroy may be called. */
 DLS_API DLS_MUST_USE dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error);
 
-/* Changes the limits of the contact problem from the next step on. */
+/* Changes the limits of the contact problem from the next step on. Errors of
+ * dls_solver_set_limits. */
 DLS_API DLS_MUST_USE dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits,
                                                       dls_error *error);
 
@@ -127,13 +131,15 @@ typedef struct dls_motion_state {
   const double *p;     /* d candidates: impulse of the step; on a path the reactions, forces */
   const double *u;     /* d candidates: H^T v+ - y'; on a path H^T (x+ - x) - h y', a length */
   const double *gap;   /* candidates: after the step */
-  const double *slip; /* (d-1) candidates: the sum of all h (theta u_t+ + (1-theta) u_t), the way of
-                          the body's point on the obstacle                     length */
+  const double *slip; /* (d-1) candidates: the sum of all h (theta u_t+ + (1-theta) u_t), the travel
+                          of the body's point on the obstacle                  length */
   const dls_contact_state *state; /* candidates; DLS_FREE where it took no part */
   int active;                     /* candidates in the contact problem of the step */
   const int *active_list;         /* active: their numbers, ascending */
 } dls_motion_state;
 
+/* Sets *state to views of the motion, which live as long as it does and change with each step.
+ * DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_state(const dls_motion *motion,
                                                      dls_motion_state *state, dls_error *error);
 
@@ -144,7 +150,7 @@ typedef struct dls_motion_energies {
   double load;             /* h f.v_th */
   double damping;          /* -h v_th.C v_th */
   double obstacle;         /* p.y', of the obstacle's motion */
-  double friction;         /* p_t.u_t,th; > 0 only for theta < 1, where slip turns round */
+  double friction;         /* p_t.u_t,th; > 0 only for theta < 1, where slip reverses */
   double impact;           /* p_n.u_n,th; on a path r_n (gap+ - gap) */
   double numerical;        /* (1/2 - theta)(|dv|_M^2 + |dx|_K^2); on a path -|dx|_K^2 / 2 */
   /* |left - right| of the identity in the last step, and what is rounded in it: the largest so far
@@ -156,17 +162,18 @@ typedef struct dls_motion_energies {
   double momentum;
 } dls_motion_energies;
 
+/* Copies the energies, works and checks of the motion into *energies. DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion,
                                                         dls_motion_energies *energies,
                                                         dls_error *error);
 
-/* Gives the contact problem of the last step, certified or not: of the active candidates, nc = 0
- * where there was none, and on a path whose problem is solved on K. For dls_contact_diagnose and
- * for solving it otherwise; it lives until the next step. */
+/* Returns the contact problem of the last step, certified or not: of the active candidates; nc = 0
+ * without any, and on a path that is solved on K. Use it with dls_contact_diagnose, or to solve the
+ * problem by another method. It lives until the next step. DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_problem(const dls_motion *motion,
                                                        dls_contact *problem, dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_motion_destroy(dls_motion *motion);
 
 #ifdef __cplusplus

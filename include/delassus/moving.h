@@ -1,8 +1,8 @@
 /*
- * delassus/moving.h: scenes of bodies that move in the finite element module (libdelassus-fe):
- * bars that hit a wall, with closed forms; the block of [Jean 1988] on an obstacle that goes to and
- * fro; a block that is thrown on the ground; two deformable blocks that press on each other. The
- * motion is that of motion.h.
+ * delassus/moving.h: scenes of bodies that move in the finite element module (libdelassus-fe): bars
+ * that hit a wall, with closed forms; the block of [Jean 1988] on an obstacle that moves to and
+ * fro; a block that is thrown on the ground; two deformable blocks pressed together. The motion is
+ * that of motion.h.
  *
  * The bars are columns of four-node elements whose two nodes of a height move together and up or
  * down only, with nu = 0: bars of linear elements.
@@ -17,8 +17,8 @@
 extern "C" {
 #endif
 
-/* Fill by dls_moving_settings_init, then change what you like; NULL in their place: the defaults.
- * What a scene does not have, it does not read. */
+/* Settings: call dls_moving_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. A scene ignores the fields that it does not need. */
 typedef struct dls_moving_settings {
   dls_limits limits;     /* of the contact problems; those of motion.h */
   size_t size;           /* set by init; settings without it are refused */
@@ -33,29 +33,31 @@ typedef struct dls_moving_settings {
   int nx, ny; /* elements along x and y, of the lower of two blocks; bars: nx along the bar; 0: the
                  scene's own; 0 */
   int upper;  /* two-blocks: elements of the upper block along x; 0: the scene's own; 0 */
-  double amplitude; /* jean-moving: of the obstacle's way; < 0: the scene's own; -1      length */
+  double
+      amplitude; /* jean-moving: amplitude of the obstacle; < 0: the scene's own; -1      length */
   double frequency; /* jean-moving: of the obstacle; 0: 1 on a path, else 1000; 0        1 / time */
-  int measure; /* 1: each contact problem is solved a second time, from r = 0, to see what it costs
-                  and what the warm start saves; 0 */
+  int measure; /* 1: solves each contact problem a second time, from r = 0, to measure its cost and
+                  what the warm start saves; 0 */
 } dls_moving_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_moving_settings_init(dls_moving_settings *settings);
 
-/* Names ("bar-impact", ...) and one-line descriptions, index 0 ..; NULL past the last. */
+/* Return names ("bar-impact", ...) and one-line descriptions, index 0 ..; NULL past the last. */
 DLS_API const char *dls_moving_name(int index);
 DLS_API const char *dls_moving_description(int index);
 
 typedef struct dls_moving dls_moving;
 
-/* *out = scene `name` before its first step, NULL on error. DLS_E_ARGUMENT: no scene of that name,
- * or a setting outside its range, which *error names; DLS_E_SETTINGS; the errors of
+/* Creates the scene `name` before its first step: *out, NULL on error. DLS_E_ARGUMENT: no scene of
+ * that name, or a setting outside its range, which *error names; DLS_E_SETTINGS; the errors of
  * dls_fe_sparse_stiffness and dls_motion_create. */
 DLS_API DLS_MUST_USE dls_status dls_moving_create(dls_moving **out, const char *name,
                                                   const dls_moving_settings *settings,
                                                   dls_error *error);
 
-/* Takes a step; statuses as dls_motion_step: what is not DLS_OK leaves the scene at the step
- * before. DLS_E_ARGUMENT "moving" after the last step. */
+/* Takes a step. Statuses of dls_motion_step; another one than DLS_OK leaves the scene at the last
+ * step. DLS_E_ARGUMENT "moving" after the last step. */
 DLS_API DLS_MUST_USE dls_status dls_moving_step(dls_moving *moving, dls_error *error);
 
 /* A scene after a step. All arrays belong to the scene and change with the next step. */
@@ -64,7 +66,7 @@ typedef struct dls_moving_data {
   dls_moving_settings settings; /* as the scene runs, its own values filled in */
   int dynamic;                  /* 1: with mass; 0: a path of equilibria */
   int has_exact;                /* 1: exact_gap and exact_force are known */
-  int obstacle_moves;           /* 1: the obstacle goes to and fro */
+  int obstacle_moves;           /* 1: the obstacle moves to and fro */
   double h;                     /* of a step                                        time */
   double element;               /* bars: length of an element                       length */
   int steps;                    /* of the whole time */
@@ -95,10 +97,11 @@ typedef struct dls_moving_data {
   double step_seconds, contact_seconds; /* CPU so far: steps, and contact problems from r = 0 */
 } dls_moving_data;
 
-/* *data := views of the scene, which live as long as it does; all zero if moving is NULL. */
+/* Sets *data to views of the scene, which live as long as it does; all zero if moving is NULL. */
 DLS_API void dls_moving_get(const dls_moving *moving, dls_moving_data *data);
 
-DLS_API void dls_moving_destroy(dls_moving *moving); /* NULL is fine */
+/* Frees the scene; NULL is fine. */
+DLS_API void dls_moving_destroy(dls_moving *moving);
 
 #ifdef __cplusplus
 }

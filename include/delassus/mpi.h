@@ -4,15 +4,14 @@
  *   K x = f + H r,   u = H^T x + g,   W = H^T K^-1 H,   q = H^T K^-1 f + g,   u = W r + q
  *
  * as in reduction.h. Every process (rank) of a communicator has a share of the rows and of the
- * contact nodes; K is factored by the distributed MUMPS, the Schur complement and W are
+ * contact nodes; K is factorised by the distributed MUMPS, the Schur complement and W are
  * block-cyclic matrices of ScaLAPACK. The functions belong to libdelassus-mpi (make MPI=1), which
  * holds all of libdelassus, too, and is linked in its place.
  *
  * All functions but those said to be local are collective: every rank of the communicator calls
- * them, in the same order. Status, error and info are then equal on every rank: an error of one
- * rank is an error of all, its message begins with the rank's number, and index counts in the
- * arguments of that rank. A rank that ends without a word is the business of mpirun, which ends the
- * others.
+ * them, in the same order. Status, error and info are then equal on all ranks: an error of one rank
+ * is an error of all, its message begins with the rank's number, and index counts in the arguments
+ * of that rank. If a rank dies, mpirun ends the others.
  *
  * Rows and contact nodes are numbered through the ranks: those of rank 0 first, then those of rank
  * 1, and so on; a rank may have none. Indices are 0-based. Neither MUMPS nor METIS is re-entrant:
@@ -33,15 +32,15 @@
 extern "C" {
 #endif
 
-/* The share of one rank; a view, everything is borrowed and read by dls_mpi_reduction_create
- * only. n: the rows of all ranks together. */
+/* The share of one rank: a view, read by dls_mpi_reduction_create only. n: the rows of all ranks
+ * together. */
 typedef struct dls_mpi_model {
   int d;                           /* 2 or 3, equal on all ranks */
   dls_factorization factorization; /* of K, equal on all ranks; of a symmetric K only entries on and
                                       below the diagonal are read */
   int rows;                        /* of this rank, >= 0 */
-  size_t entries;                  /* of K that this rank has, wherever they stand; entries of the
-                                      same place add up, on one rank or on several */
+  size_t entries;                  /* of K that this rank has, in any rows; entries of the same
+                                      place add up, on one rank or on several */
   const int *row, *col;            /* entries, 0 .. n-1 */
   const double *x;                 /* entries; force / length */
   int nodes;                       /* contact nodes of this rank, >= 0 */
@@ -58,23 +57,23 @@ typedef enum dls_mpi_phase {
   DLS_MPI_PHASES = 5
 } dls_mpi_phase;
 
-/* What this rank has spent. */
+/* Sizes, and the cost on this rank. */
 typedef struct dls_mpi_info {
   int ranks, rank;
   int grid[2];                 /* process rows and columns of the block-cyclic matrices */
   int n, condensed, m;         /* unknowns; rows of S; rows of W, of all ranks together */
   double wall[DLS_MPI_PHASES]; /* seconds */
   double cpu[DLS_MPI_PHASES];
-  double factor_bytes; /* most that MUMPS has used on this rank */
+  double factor_bytes; /* largest memory of MUMPS on this rank */
   double dense_bytes;  /* of the block-cyclic matrices on this rank, W included */
   double flops;        /* of the elimination on this rank */
 } dls_mpi_info;
 
 typedef struct dls_mpi_reduction dls_mpi_reduction;
 
-/* Orders, factors, forms W; *out = NULL on error. settings: those of the serial reduction, of which
- * memory_limit (bytes on a rank, the factor as foreseen by MUMPS) counts; stabilize, or form_W = 0:
- * DLS_E_UNSUPPORTED. NULL for the defaults. Rank 0's settings hold.
+/* Creates a reduction: orders and factorises K, forms W; *out = NULL on error. settings: those of
+ * the serial reduction, from rank 0; NULL for the defaults. memory_limit is in bytes on a rank,
+ * compared with MUMPS's estimate. stabilize, or form_W = 0: DLS_E_UNSUPPORTED.
  *
  * Memory of a rank: its share of the factor, three times its share of b^2 doubles (b unknowns that
  * H touches), its entries of K, H, 14 vectors of n; on rank 0 the pattern of K while it is ordered.
@@ -85,17 +84,17 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_create(dls_mpi_reduction **out
                                                          const dls_reduction_settings *settings,
                                                          dls_error *error);
 
-/* Local. */
+/* Copies the sizes and the cost of the reduction into *info. Local. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_get_info(const dls_mpi_reduction *reduction,
                                                            dls_mpi_info *info, dls_error *error);
 
-/* q := H^T K^-1 f + g. f (rows of this rank) or NULL for 0; g (d nodes of this rank) or NULL for
- * 0. Half a solve. An error leaves f and q as they were. */
+/* Sets q := H^T K^-1 f + g. f (rows of this rank) or NULL for 0; g (d nodes of this rank) or NULL
+ * for 0. Half a solve. An error leaves f and q unchanged. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_load(dls_mpi_reduction *reduction,
                                                        const double *f, const double *g,
                                                        dls_error *error);
 
-/* The contact problem where it lives: views into the reduction, valid as long as it is. */
+/* The distributed contact problem: views into the reduction, valid as long as it is. */
 typedef struct dls_mpi_contact {
   int d, nc;       /* of all ranks */
   int m, block;    /* rows of W; of its square blocks */
@@ -106,7 +105,7 @@ typedef struct dls_mpi_contact {
   const double *q; /* m: all of it, on every rank */
 } dls_mpi_contact;
 
-/* Local. */
+/* Sets *problem to views of the part of W, and of q, that this rank holds. Local. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_contact(const dls_mpi_reduction *reduction,
                                                           dls_mpi_contact *problem,
                                                           dls_error *error);
@@ -115,15 +114,15 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_contact(const dls_mpi_reductio
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_gather(const dls_mpi_reduction *reduction,
                                                          double *W, dls_error *error);
 
-/* x := K^-1 (f + H r). r: d nodes of this rank; x: rows of this rank. One solve. */
+/* Recovers x := K^-1 (f + H r). r: d nodes of this rank; x: rows of this rank. One solve. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_recover(dls_mpi_reduction *reduction,
                                                           const double *r, double *x,
                                                           dls_error *error);
 
-/* Local, but for the end of MPI's communicator, which is collective. NULL is fine. */
+/* Frees the reduction; NULL is fine. Collective, because it frees the communicator. */
 DLS_API void dls_mpi_reduction_destroy(dls_mpi_reduction *reduction);
 
-/* Rank 0's settings hold. */
+/* Settings, of which those of rank 0 are used. */
 typedef struct dls_mpi_settings {
   dls_limits limits; /* blocks is not read; progress is called on rank 0, cpu_seconds are those of
                         rank 0 */
@@ -132,26 +131,27 @@ typedef struct dls_mpi_settings {
                         (auto), while the others wait; 1000 */
 } dls_mpi_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_mpi_settings_init(dls_mpi_settings *settings);
 
 /* Solves u = W r + q with the law of contact.h: on rank 0 by dls_solve, or by ADMM (admm.h) on the
  * shared W. Then takes x = K^-1 (f + H r) of the last load and certifies the pair (x, r) on the
- * body as dls_mpi_certify does: info->certificate is that of the body, and the status says "solved"
- * by it alone, as dls_reduction_judge does. Where it does not hold, solves again from r with a
+ * body as dls_mpi_certify does: info->certificate is that of the body, and it alone decides the
+ * status, as in dls_reduction_judge. If it does not hold, the problem is solved again from r with a
  * smaller tolerance on W, up to 4 times, as long as the body's residual halves; iterations, limits
- * and progress are those of all turns. mu: nodes of this rank. r (d nodes of this rank): in, the
+ * and progress count all of these solves. mu: nodes of this rank. r (d nodes of this rank): in, the
  * start if warm_start; out, the reactions. u (d nodes) or NULL: H^T x + g. info or NULL. settings
  * NULL for the defaults.
  *
  * Takes one more share of m^2 doubles, on every rank, or m^2 doubles on rank 0; one solve with K
  * and one product with it besides. Statuses of dls_solver_solve and of dls_admm_solve;
- * DLS_NOT_IN_EQUILIBRIUM or DLS_STALLED where r solves the problem on W and the body's certificate
- * does not hold: dls_mpi_global_solve goes on from r and x. */
+ * DLS_NOT_IN_EQUILIBRIUM or DLS_STALLED if r solves the problem on W and the body's certificate
+ * does not hold: continue with dls_mpi_global_solve from r and x. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, const double *mu,
                                               const dls_mpi_settings *settings, double *r,
                                               double *u, dls_info *info, dls_error *error);
 
-/* Measures the pair (x, r) on the body for the last load, as dls_reduction_certify: positions,
+/* Certifies the pair (x, r) for the body and the last load, as dls_reduction_certify: positions,
  * forces, and |K x - f - H r| over |f| + |H r| of each connected body; dls_certificate_holds and
  * dls_certificate_verdict read it. mu: nodes of this rank; r: d nodes; x: rows; u: receives
  * H^T x + g, d nodes, or NULL. *certificate is equal on all ranks; its `worst` and `body` count
@@ -164,8 +164,9 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_certify(dls_mpi_reduction *reduction, co
  * rows. Each iteration of the splitting is one solve with a distributed factor of K + H R H^T. */
 typedef struct dls_mpi_global dls_mpi_global;
 
-/* Copies the model. solver NULL: orders and analyses K + H R H^T, which MUMPS factors on all ranks;
- * K may be singular, and with DLS_CHOLESKY need not be definite. Else all ranks bring a solver, as
+/* Copies the model. solver NULL: orders and analyses K + H R H^T, which MUMPS factorises on all
+ * ranks; K may be singular, and with DLS_CHOLESKY need not be definite. Otherwise all ranks give a
+ * solver, as
  * dls_global_create_with, whose functions are collective: R is that of the d nodes of this rank, b
  * and x are the rows of this rank; an error on one rank is an error on all. No reference to the
  * model is kept; comm is duplicated. *out = NULL on error. Errors as dls_mpi_reduction_create.
@@ -177,7 +178,8 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_global_create(dls_mpi_global **out, MPI_
                                                       const dls_global_solver *solver,
                                                       dls_error *error);
 
-/* Local. order, analyse and factor count, of all factorisations so far; condensed is 0. */
+/* Returns sizes and cost. Only the phases order, analyse and factor are set, summed over all
+ * factorisations; condensed is 0. Local. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_get_info(const dls_mpi_global *global,
                                                         dls_mpi_info *info, dls_error *error);
 
@@ -189,7 +191,7 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_global_solve(dls_mpi_global *global, con
                                                      const dls_limits *limits, double *r, double *x,
                                                      dls_info *info, dls_error *error);
 
-/* Collective. NULL is fine. */
+/* Frees the object; NULL is fine. Collective. */
 DLS_API void dls_mpi_global_destroy(dls_mpi_global *global);
 
 #ifdef __cplusplus

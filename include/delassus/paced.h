@@ -1,5 +1,5 @@
 /*
- * delassus/paced.h: a progress callback that calls another one now and then.
+ * delassus/paced.h: a progress callback that calls yours at most every `seconds`.
  */
 #ifndef DELASSUS_PACED_H
 #define DELASSUS_PACED_H
@@ -10,8 +10,8 @@
 extern "C" {
 #endif
 
-/* A callback that costs more than an iteration, as that of an interpreter does, and how often it
- * is wanted. One solve at a time uses it. */
+/* A callback that costs more than an iteration, such as that of an interpreter, and the seconds
+ * between its calls. One solve at a time may use it. */
 typedef struct dls_paced {
   dls_progress_fn progress; /* called with progress_data; the last call of a solve is left out */
   void *progress_data;

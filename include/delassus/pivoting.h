@@ -23,9 +23,10 @@ typedef struct dls_principal_settings {
   size_t size;       /* set by init; settings without it are refused */
   int block_steps;   /* exchanges of all infeasible unknowns at once that may pass without a new
                          least number of them; then one at a time, least index first (Murty), until
-                         there is one. >= 0; 0: always one at a time; 10 */
+                         that number falls. >= 0; 0: always one at a time; 10 */
 } dls_principal_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_principal_settings_init(dls_principal_settings *settings);
 
 typedef struct dls_principal_info {
@@ -38,7 +39,7 @@ typedef struct dls_principal_info {
 
 typedef struct dls_principal dls_principal; /* workspace for n <= the n of create */
 
-/* *out := new workspace, NULL on error; n^2 + O(n) doubles; the settings are copied.
+/* Creates a workspace: *out, NULL on error; n^2 + O(n) doubles. The settings are copied.
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
                                                      const dls_principal_settings *settings,
@@ -50,7 +51,7 @@ DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
  *
  *   DLS_OK              certified; the only solution if M is a P-matrix
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
- *                       z is the basis of least residual met, its negative parts set to 0
+ *                       z is the basis of least residual found, its negative parts set to 0
  *   DLS_STALLED         a principal submatrix is singular to working precision (condition number
  *                       above 1 / (n eps) when equilibrated), so that M is no P-matrix, or nearly
  *                       none; or the last basis is feasible and the certificate does not hold; z as
@@ -62,7 +63,7 @@ DLS_API DLS_MUST_USE dls_status dls_principal_solve(dls_principal *workspace, co
                                                     double *z, double *y, dls_principal_info *info,
                                                     dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_principal_destroy(dls_principal *workspace);
 
 /* ---- all solutions --------------------------------------------------------------------------- */
@@ -85,11 +86,11 @@ typedef struct dls_enumeration {
  *
  *   continua = 0: the list is the whole solution set; solutions = 0 means that there is none.
  *   continua > 0: all solutions that are isolated are in the list, and at least one vertex of each
- *   continuum; `undetermined` tells the unknowns that are not fixed, hyperstatic reactions for
- *   instance.
+ *   continuum; `undetermined` marks the unknowns that are not fixed, for example hyperstatic
+ *   reactions.
  *
- * M_AA is taken for singular within 1e-12 of a singular matrix, and 1e-10 for 0 in the polyhedra of
- * singular ones (all after equilibration): to be exact to the last case, use exact arithmetic.
+ * M_AA counts as singular if it is within 1e-12 of a singular matrix, and 1e-10 counts as 0 in the
+ * polyhedra of singular ones (all after equilibration). Use exact arithmetic for borderline cases.
  *
  * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full, DLS_STALLED if
  * rounding keeps the simplex method from ending: z and *found hold the solutions found so far.

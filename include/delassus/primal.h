@@ -4,11 +4,10 @@
  *
  *   K x = f + H r,   u = H^T x + g,   the laws of contact.h between u and r at each contact node
  *
- * A fixed point on the sliding thresholds b_c = mu_c r_n; for fixed b the problem is Tresca's, the
- * minimum of a convex function under u_n >= 0, and relaxing one unknown (contact node) after the
- * other lowers it. Nothing is factored: the memory is K and some vectors, and the sweeps grow in
- * number as the mesh is refined. The slow reference; for so many contact nodes that W would not
- * fit.
+ * The method is a fixed point on the sliding thresholds b_c = mu_c r_n. For fixed b the problem is
+ * Tresca's, the minimum of a convex function under u_n >= 0, which a sweep lowers by relaxing one
+ * unknown (contact node) after the other. It factorises nothing: the memory is K and some vectors.
+ * The number of sweeps grows as the mesh is refined. Use it as a slow reference.
  */
 #ifndef DELASSUS_PRIMAL_H
 #define DELASSUS_PRIMAL_H
@@ -20,7 +19,8 @@
 extern "C" {
 #endif
 
-/* Fill by dls_primal_settings_init, then change what you like; NULL means the defaults. */
+/* Settings: call dls_primal_settings_init, then change fields. NULL settings are the defaults,
+ * which stand last in each comment. */
 typedef struct dls_primal_settings {
   dls_limits limits; /* tol: on both parts of the certificate. max_iterations: sweeps; the
                         method's own limit: 100000. warm_start: from x as passed in */
@@ -29,6 +29,7 @@ typedef struct dls_primal_settings {
   int aitken;        /* 1: Aitken acceleration of the sweeps; 0: none; 1 */
 } dls_primal_settings;
 
+/* Sets each field to its default. */
 DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
 
 /* The certificate, in two parts; both without unit. r is what the contact nodes take out of
@@ -44,8 +45,8 @@ DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
  * same measures of |f'| + |K'| (|x'| + |g|) (a sum of magnitudes).
  * DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise both parts of the laws.
  *
- * What this says of the condensed problem, W = H^T K^-1 H: its u differs from this one by H^T K^-1
- * times the forces out of balance, which the conditioning of K may magnify. The block of
+ * The condensed problem, W = H^T K^-1 H, may have a larger residual: its u differs from this one by
+ * H^T K^-1 times the forces out of balance, which the conditioning of K may magnify. The block of
  * [Jean 1988] Fig. 3 stopped at 1e-10 has 1.4e-10 of positions and 2.1e-9 of forces by
  * dls_contact_certify. */
 typedef struct dls_primal_info {
@@ -74,7 +75,7 @@ DLS_API DLS_MUST_USE dls_status dls_primal_create(dls_primal **out, const dls_mo
                                                   const dls_primal_settings *settings,
                                                   dls_error *error);
 
-/* Solves; allocates nothing.
+/* Solves a problem. Allocates nothing.
  *
  *   f     loads, n, or NULL for 0                                            force
  *   g     initial gaps, 2 per contact node (n, t), or NULL for 0             length
@@ -84,16 +85,16 @@ DLS_API DLS_MUST_USE dls_status dls_primal_create(dls_primal **out, const dls_mo
  *   u     relative positions H^T x + g, 2 per contact node, or NULL          length
  *   info  or NULL
  *
- * Arrays must not overlap. Where the status is > 0, the outputs belong to the x with the smallest
- * certificate met. DLS_OK; DLS_MAX_ITERATIONS; DLS_CANCELLED; DLS_STALLED: a sweep changes nothing,
- * or the numbers overflow; DLS_E_NOT_POSITIVE_DEFINITE: a step d with d^T K d < 0, naming "K"
- * (value: d^T K d / d^T diag(K) d); DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
+ * Arrays must not overlap. If the status is > 0, the outputs belong to the x with the smallest
+ * certificate found. DLS_OK; DLS_MAX_ITERATIONS; DLS_CANCELLED; DLS_STALLED: a sweep changes
+ * nothing, or the numbers overflow; DLS_E_NOT_POSITIVE_DEFINITE: a step d with d^T K d < 0, naming
+ * "K" (value: d^T K d / d^T diag(K) d); DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_primal_solve(dls_primal *workspace, const double *f,
                                                  const double *g, const double *mu, double *x,
                                                  double *r, double *u, dls_primal_info *info,
                                                  dls_error *error);
 
-/* NULL is fine. */
+/* Frees the object; NULL is fine. */
 DLS_API void dls_primal_destroy(dls_primal *workspace);
 
 #ifdef __cplusplus

@@ -1,9 +1,9 @@
 /*
  * delassus/status.h: the status that every call returns, the details of an error, and the version.
  *
- *   < 0  error: nothing was computed, every output is as it was before the call
- *   = 0  done; for a solver: solved, and the certificate says so
- *   > 0  stopped early: the outputs hold the best answer found, the info says how good it is
+ *   < 0  error: nothing was computed, all outputs are unchanged
+ *   = 0  done; for a solver: solved, certified
+ *   > 0  stopped early: the outputs hold the best answer found, the info has its certificate
  *
  * Layouts of structs and values of enums are fixed for a SONAME (libdelassus.so.0): a library that
  * changes one of them carries another SONAME. Symbols of libdelassus.so have the version
@@ -40,14 +40,15 @@ typedef enum dls_status {
   DLS_MAX_ITERATIONS = 1,      /* the iteration limit came first */
   DLS_CANCELLED = 2,           /* the progress callback returned non-zero */
   DLS_STALLED = 3,             /* no further progress in this arithmetic */
-  DLS_RAY = 4,                 /* Lemke ended in a secondary ray; dls_lemke_ray() gives it */
+  DLS_RAY = 4,                 /* Lemke's method ended in a ray (dls_lemke_ray) without an answer;
+                                 a solution may or may not exist */
   DLS_NO_SOLUTION = 5,         /* proved: no solution exists */
   DLS_NO_SOLUTION_LIKELY = 6,  /* not proved; dls_solver_direction() shows why */
   DLS_TIME_LIMIT = 7,          /* limits.cpu_seconds came first */
   DLS_FOLDED = 8,              /* forming.h: the next step would leave no body */
-  DLS_TO_ROUNDING = 9,         /* solved as well as double precision can hold the answer, which is
-                                 above the tolerance: the certificate's floors say how well */
-  DLS_NOT_IN_EQUILIBRIUM = 10, /* a body's forces do not balance: certificate.unbalanced of them */
+  DLS_TO_ROUNDING = 9,         /* solved to rounding, which is above the tolerance; see the floors
+                                 of the certificate */
+  DLS_NOT_IN_EQUILIBRIUM = 10, /* the forces of a body do not balance, by certificate.unbalanced */
 
   DLS_E_ARGUMENT = -1,              /* NULL, or a value outside its range */
   DLS_E_SIZE = -2,                  /* dimensions that do not fit, or too large to address */
@@ -60,7 +61,7 @@ typedef enum dls_status {
   DLS_E_FILE = -9,                  /* the file cannot be opened, read or written */
   DLS_E_FORMAT = -10,               /* the file is not what it should be */
   DLS_E_CALLBACK = -11,             /* a callback of the host reported failure */
-  DLS_E_BUSY = -12,                 /* another call is at work on the object: docs/threads.md */
+  DLS_E_BUSY = -12,                 /* another call is using the object (the guide, "Threads") */
   DLS_E_NO_DERIVATIVE = -13         /* the answer has none: derive.h */
 } dls_status;
 

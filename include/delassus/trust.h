@@ -1,7 +1,7 @@
 /*
- * delassus/trust.h: how far the answer to a contact problem can be trusted: all solutions of a
- * small problem, the friction from which on there are loads with several, and what a residual means
- * for the reactions.
+ * delassus/trust.h: how far you can trust the answer to a contact problem: all solutions of a small
+ * problem, the friction above which some loads have several solutions, the error that a residual
+ * leaves in the reactions, and a proof of an answer.
  */
 #ifndef DELASSUS_TRUST_H
 #define DELASSUS_TRUST_H
@@ -37,7 +37,7 @@ typedef struct dls_solution_set {
  *
  * DLS_OK: all are listed, up to 1e-10 of the scaled data. DLS_NO_SOLUTION: none, and each choice of
  * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's
- * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
+ * method has a proof. DLS_NO_SOLUTION_LIKELY: none, up to rounding. DLS_MAX_ITERATIONS: there are
  * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
  * of states from being decided; the list holds the others. Else an error:
  * DLS_E_UNSUPPORTED for d = 3 or an infinite mu, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT,
@@ -60,13 +60,13 @@ typedef struct dls_sensitivity {
                              rank < rows */
   double amplification_r; /* |A^-1 diag(w)|: the same per residual_r */
   double error; /* the relative error of r, |r - r*| / |r|, that its certificate leaves: the smaller
-                   one of both products, residuals below their floors being taken as these */
+                   of both products, with each residual at least its floor */
 } dls_sensitivity;
 
-/* Tells how far r, the answer of a solver, may be from the solution: in the states that r has the
- * laws are linear, and the norm of A^-1 comes from its singular values. Right to first order, for
- * an r whose states are those of the solution (bench/results/trust.md). r: m. O(rows^3) operations,
- * rows^2 doubles + O(m). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+/* Estimates the error of r (m), the answer of a solver, from its residual. In the states of r the
+ * laws are linear, and |A^-1| follows from singular values. The estimate is right to first order if
+ * r has the states of the solution. O(rows^3) operations, rows^2 doubles + O(m). DLS_OK,
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
                                                         dls_sensitivity *sensitivity,
                                                         dls_error *error);
@@ -100,24 +100,24 @@ typedef struct dls_proof {
   double perturbed; /* DLS_PROVED_POSITIONS: bound on the change of q over the largest |q| */
   int rows;         /* unknowns of the states of r, ... */
   int freedom;      /* ... and how many of them no equation determines: self-stresses */
-  int border;       /* contacts that are, but for rounding, on the border of two states; the first
+  int border;       /* contacts that are, up to rounding, on the border of two states; the first
                        of them (-1: none) and its states: */
   int contact;
   dls_contact_state state, other;
 } dls_proof;
 
 /* Proves that the problem, exactly as its numbers stand, has one solution r* near r and no other
- * one in a box around it, and how far r* is from r: Krawczyk's test in the states of r, in floating
- * point with bounds on its own rounding (src/facts/prove.c has the formulas). First r is improved
- * by Newton steps; box and radii belong to the improved one, which
+ * one in a box around it, and bounds the distance of r* from r: Krawczyk's test in the states of r,
+ * in floating point with bounds on its own rounding. It improves r by Newton steps first; box and
+ * radii belong to the improved r.
  *
- *   improved (m, or NULL; may be r)
+ *   r         m, an answer with a certificate (any finite r is safe)
+ *   improved  m, or NULL; may be r: receives the improved r if there is a proof, else r
  *
- * receives where there is a proof, else r. r: m; an answer with a certificate. Any finite r does no
- * harm: a proof is a proof. DLS_NOT_PROVED with border > 0 names a contact; with border = 0, A is
- * too ill-conditioned or r is no solution. The bounds hold for a BLAS that multiplies matrices in
- * the usual way, for rounding to nearest, and without underflow. 2 rows^3 operations, 2 rows^2
- * doubles + O(m). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+ * DLS_NOT_PROVED with border > 0 names a contact. With border = 0, A is too ill-conditioned or r is
+ * no solution. The bounds hold for a BLAS that multiplies matrices in the usual way, for rounding
+ * to nearest, and without underflow. 2 rows^3 operations, 2 rows^2 doubles + O(m). DLS_OK,
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_contact_prove(const dls_contact *problem, const double *r,
                                                   dls_proof *proof, double *improved,
                                                   dls_error *error);
@@ -126,8 +126,8 @@ DLS_API DLS_MUST_USE dls_status dls_contact_prove(const dls_contact *problem, co
 
 typedef struct dls_fold {
   double friction; /* the largest coefficient at the fold; INFINITY if there is none */
-  int exact;    /* 1: of all states; 0: of those that the search met: the fold is here or lower */
-  int matrices; /* how many were looked at */
+  int exact;    /* 1: of all states; 0: of those that the search tried: the fold is here or lower */
+  int matrices; /* number of matrices tried */
 } dls_fold;
 
 /* Finds the least friction at which the matrix of some slip, stick and free candidates,
@@ -135,9 +135,9 @@ typedef struct dls_fold {
  *   u_n = 0, u_t = 0 where they stick,  u_n = 0, r_t = +-mu r_n where they slip,  r = 0 elsewhere,
  *
  * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for d = 2 and W positive
- * definite. Below it there is exactly one solution, whatever q is; above it there are q with
- * several. All mu_c are scaled together; where all are 0, they are taken as equal. Exact up to
- * DLS_STATES_MAX candidates; for more a local search from many starts.
+ * definite. Below it each q has exactly one solution; above it some q have several. All mu_c are
+ * scaled together; if all are 0, they are taken as equal. Exact up to DLS_STATES_MAX contacts; for
+ * more a local search from many starts.
  *
  *   state (nc): the states, slip to the side that r_t tells
  *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q

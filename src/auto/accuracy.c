@@ -1,14 +1,13 @@
 /*
- * accuracy.c: an answer of little residual may have a large error where W is nearly singular, as
- * under a body on soft springs. Such a problem is solved to a smaller tolerance as long as that
- * makes the predicted error less (facts/sensitivity.c).
+ * accuracy.c: improves answers with a large error. If W is nearly singular, as for a body on soft
+ * springs, the error may be large although the residual is small. The problem is then solved to
+ * smaller tolerances as long as the predicted error falls (facts/sensitivity.c).
  *
- *   (AC1)  the error is predicted where few directions carry W:
+ *   (AC1)  the error is predicted if W has few large eigenvalues:
  *          (tr S)^2 / |S|^2 < 12, S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the weights of the
- *          certificate. With k equal eigenvalues and no others that is k; two bodies on soft
- *          springs have 12
- *   (AC2)  in a sequence of warm solves the last answer that was looked at tells how much a
- *          residual means
+ *          certificate. For k equal eigenvalues and no others the left side is k;
+ *          two bodies on soft springs have 12
+ *   (AC2)  in a sequence of warm solves, error / residual of the last predicted answer is used
  *
  * What can fail: more soft directions than that. The error of ordinary elastic bodies is 1 to 100
  * times their residual.

@@ -1,17 +1,17 @@
 /*
- * alone.c: the problems that auto answers from r = 0 without a workspace.
+ * alone.c: solves the contacts one by one, from r = 0 and without a workspace.
  *
  *   (AL1)  r = 0                                  if every q_n >= 0
- *   (AL2)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c
- *          with q_n < 0 and 0 for the others           if that is one, or nothing couples them
+ *   (AL2)  r_c = the solution of contact c alone, u_c = W_cc r_c + q_c (vi/local.c), for each c
+ *          with q_n < 0, and 0 for the others         if there is one such c, or W couples none
  *
- * (AL2) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if none
- * of the others is pressed by it. It is for few candidates: with more of them the sweeps and their
- * preparations take long enough for nobody to see the difference.
+ * (AL2) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if it
+ * presses no other contact. It is used for few contacts only: for more the sweeps dominate the
+ * cost.
  *
- * Cost: O(nc) for q, the columns of W of those c, the certificate.
- * What can fail: a candidate without a local solution, or with trace(W_cc) <= 0; another one that
- * is pressed by the reactions. Then 0 is returned, nothing has been written, and the sweeps begin.
+ * Cost: O(nc) for q, the columns of W of these c, the certificate.
+ * What can fail: a contact without a local solution, or with trace(W_cc) <= 0; another contact that
+ * the reactions press. Then it returns 0 and has written nothing, and the sweeps begin.
  */
 #include <float.h>
 #include <math.h>

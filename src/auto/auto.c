@@ -1,16 +1,15 @@
 /*
- * auto.c: the method "auto": other methods in turn, as a plan says (plan.c).
+ * auto.c: the method "auto": runs other methods in turn, by a plan (plan.c).
  *
- *   (AT1)  where two in five candidates or more provably cannot touch, a cold solve begins with the
- *          problem of the others, a copy (apart.c); without an answer of it the whole is solved as
- *          if there had been no copy
- *   (AT2)  a warm solve follows the line through the last two answers, and may begin with a step of
+ *   (AT1)  cold solve: if at least 40 % of the contacts provably stay open, solve a copy without
+ *          them (apart.c); if that fails, solve the whole problem
+ *   (AT2)  warm solve: extrapolate from the last two answers, and maybe begin with a step of
  *          Newton's method (sequence.c)
- *   (AT3)  the first plan of the problem's regime (regime.c)
- *   (AT4)  what it leaves: up to 300 rows the plan for a copy in an order and in units of its own
- *          (canonical.c), with a verdict (verdict.c); beyond, another plan
- *   (AT5)  an answer whose reactions may have a large error is made better (accuracy.c); whether it
- *          is the only one is looked at (others.c)
+ *   (AT3)  run the first plan of the problem's regime (regime.c)
+ *   (AT4)  if it fails: up to 300 rows run the plan on a renumbered and scaled copy (canonical.c),
+ *          with a verdict (verdict.c); beyond, run another plan
+ *   (AT5)  improve an answer whose reactions may have a large error (accuracy.c); search for other
+ *          answers (others.c)
  *
  * What can fail: every step; then DLS_STALLED with the best r.
  */

@@ -1,11 +1,11 @@
 /*
- * canonical.c: the problem changed. Up to 300 rows, what the first plan leaves is solved from r = 0
- * on a copy in an order and in units that follow from the data (renumber.c), so that luck does not
- * depend on the numbers of the candidates. dlsi_auto_on_copy is the one place that turns to a copy
- * and back.
+ * canonical.c: solves a renumbered and scaled copy of the problem. If the first plan fails, up to
+ * 300 rows, auto solves from r = 0 on a copy whose order and units follow from the data
+ * (renumber.c), so that success does not depend on the numbers of the contacts. Only
+ * dlsi_auto_on_copy changes to a copy and back.
  *
- * Frictions above 1e4, infinite ones among them, are 1e4 on the copy at first, which pivots and
- * paths can take: an answer in which nothing slips there is one of the problem.
+ * On the copy, frictions above 1e4, also infinite ones, are first replaced by 1e4, which pivots and
+ * paths can handle. An answer in which these contacts do not slip is an answer of the problem.
  */
 #include <float.h>
 #include <math.h>

@@ -1,20 +1,22 @@
 /*
- * forecast.c: when a step ends. Its iterations report here; sweeps end when more of them are ahead
- * than the next step costs.
+ * forecast.c: decides when a step ends, from the residuals that its iterations report.
  *
- * With e the residual and e* the one that is asked for, both looked at every 5 sweeps,
+ * With e the residual and e* the target, every 5 sweeps,
  *
- *   (FC1)  sweeps ahead: log(e / e*) / rate, rate: the mean decrease of log e per sweep since the
- *          step began, sweep k with the weight k, so that the last half counts most
- *   (FC2)  sweeps end when (FC1) is more than Newton's method costs (price.c, PR1), or than 100
- *          where the convex problem or momentum is next, after 10 sweeps (60 of few candidates by
- *          blocks, 20 of more, or while e > .05 before any failure; half of that from a warm start
- *          whose first sweep ends with e <= 1/4), a number that each failure doubles
- *   (FC3)  Newton's method ends when 4 steps, or as many as cost half of (FC1) and of splitting, up
- *          to 12, doubled by each failure, have not brought e down
+ *   (FC1)  expected remaining sweeps: log(e / e*) / rate. rate: mean decrease of log e per sweep
+ *          since the step began, sweep k with the weight k, so that the last half counts most
+ *   (FC2)  sweeps end if (FC1) exceeds the cost of the next step, and at least N sweeps are done:
+ *            cost  Newton's method: price.c, PR1; the convex problem or momentum: 100 sweeps
+ *            N     60  W by blocks, regime few
+ *                  20  W by blocks, else; or e > .05 before any failure
+ *                  10  otherwise
+ *            N is halved from a warm start whose first sweep ends with e <= 1/4, and doubled by
+ *            each failure
+ *   (FC3)  Newton's method ends if S steps have not reduced e. S = 4, or as many as cost
+ *          half of (FC1) and of splitting, up to 12; doubled by each failure
  *
- * A forecast that was wrong is so believed less each time. No clock is read: the same input takes
- * the same steps and gives the same bits.
+ * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
+ * same steps and gives the same bits.
  */
 #include <math.h>
 

@@ -1,5 +1,6 @@
 /*
- * others.c: whether a certified answer is the only one. A cheap look: facts/diagnose.c knows more.
+ * others.c: searches for other answers than a certified one, at low cost. front/diagnose.c finds
+ * out more.
  */
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /*
- * plan.c: which steps auto takes, in which order: one plan for each regime (regime.c). A step is
- * another method's solve from the best r so far; a step that is not open to the problem is left
- * out (kind.may). The first r that the certificate accepts ends the plan.
+ * plan.c: the plans of auto, one for each regime (regime.c): lists of steps. A step is a solve by
+ * another method from the best r so far. A step that the problem does not allow is left out
+ * (kind.may). The first r that the certificate accepts ends the plan.
  */
 #include "auto/auto.h"
 

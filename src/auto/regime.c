@@ -1,19 +1,20 @@
 /*
- * regime.c: what kind of problem this is, and which steps are open to it.
+ * regime.c: recognises the kind of the problem, and the steps that it allows.
  *
- * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
- * ones; it is then singular, and Newton's steps converge slowly.
+ * A dense W usually comes from an elastic body, and is regular. W by blocks usually comes from many
+ * bodies, often rigid ones; it is then singular, and Newton's method converges slowly.
  *
- *   elastic   W dense, or by blocks with a fourth of all blocks and more, up to 100 candidates all
- *   few       W by blocks, but not all blocks, up to 100 candidates
- *   packing   W by blocks, more than 100 candidates
- *   tight     a packing beyond 1000 candidates, or one of bodies with d + 1 contacts each or more,
- *             as many as hold them with friction, that are not at rest: each candidate then has
- *             2 d neighbours. Looser packings settle in some ten sweeps
+ *   elastic   W dense, or by blocks with at least 25 % of all blocks (up to 100
+ *             contacts: all blocks)
+ *   few       W by blocks, but not all blocks, up to 100 contacts
+ *   packing   W by blocks, more than 100 contacts
+ *   tight     a packing of more than 1000 contacts; or one that is not at rest and whose bodies
+ *             have at least d + 1 contacts each, as many as hold them with friction, so that each
+ *             contact has 2 d neighbours. Looser packings converge in about ten sweeps
  *
- * Bodies at rest: the free velocity q is that of falling, and -q lies in the friction cones but for
- * a tenth of it; bodies in motion are far from that. Where candidates have three neighbours or
- * fewer on average, a factorisation costs what a few sweeps do: taken as at rest, too.
+ * At rest: -q lies in the friction cones up to 10 % of its length, because q is the velocity of a
+ * free fall; bodies in motion are far from that. If contacts have at most three neighbours on
+ * average, a factorisation costs as much as a few sweeps, and the problem counts as at rest, too.
  */
 #include <limits.h>
 #include <math.h>

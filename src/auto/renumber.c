@@ -16,7 +16,7 @@
  *   (RN4)  by code, then by the order of vi/order.c, which follows the mechanics
  *
  * Source: colour refinement, Weisfeiler and Leman, Nauchno-Technicheskaya Informatsiya 2 (9), 1968,
- * 12-16. Cost: nc^2 d^2 per round; as a rule two rounds.
+ * 12-16. Cost: nc^2 d^2 per round; usually two rounds.
  */
 #include <math.h>
 #include <string.h>

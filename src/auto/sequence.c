@@ -1,18 +1,23 @@
 /*
- * sequence.c: what one warm solve knows of the solves before.
+ * sequence.c: what a warm solve takes from earlier solves.
  *
- *   (SQ1)  line: where the start is the answer of the solve before, the line through the last two
- *          answers is followed: the better one of both starts is taken. While W stays, their u
- *          follow without a product; (SQ2) begins with that u.
- *   (SQ2)  step: a warm solve, W dense, may begin with Newton's method, on the factors of the solve
- *          before (vi/newton.c, NE5): a step in which no state changes takes products and
- *          triangular solves alone. It does where the last solve that did not has cost more sweeps
- *          than such a step is expected to: the first time a step of Newton's for two digits of
- *          the tolerance, then five parts of that expectation and one of what the last one took, a
- *          fiftieth less for each solve without. A step counts for 3/2 sweeps, factors with their
- *          border for 3 + k^2 / (10 m), but for the first ones after a solve without. Where it
- *          fails, the next warm solve does not try. From a start (SQ1) with e > 1/4 it goes on as
- *          long as those factors serve: more states change there than one new factor puts right.
+ *   (SQ1)  line: if the start is the answer of the last solve, also try 2 r(last) - r(before) and
+ *          start from the better one. While W does not change, u of both follows without a product;
+ *          (SQ2) begins with that u.
+ *   (SQ2)  step: with W dense, a warm solve may begin with Newton's method on the factors of the
+ *          last solve (vi/newton.c, NE5). If no state changes, such a step takes only products and
+ *          triangular solves. In sweeps,
+ *
+ *            begin with Newton if the last solve by sweeps cost more than E
+ *            E := one step for each two digits of tol             at first
+ *            E := (5 E + cost of the solve) / 6                   after a solve that began so
+ *            E := 0.98 E                                          after a solve by sweeps
+ *            cost of a step 3/2; of factors and their border 3 + k^2 / (10 m), but not of the first
+ *            ones after a solve by sweeps
+ *
+ *          After a failure the next warm solve does not try. From a start (SQ1) with e > 1/4
+ *          Newton's method continues as long as the factors are useful, because more states change
+ *          there than one new factor would correct.
  */
 #include <math.h>
 #include <string.h>

@@ -1,15 +1,16 @@
 /*
- * step.c: follows a plan. Each step is a method's solve from the best r so far, or from r = 0; what
- * it found is kept if it is better, and it leaves a line in info.stage.
+ * step.c: runs a plan. Each step is a solve by a method from the best r so far, or from r = 0. Its
+ * r is kept if it is better, and info.stage gets a line.
  *
  *   (ST1)  the first r that the certificate accepts is the answer
- *   (ST2)  where the convex problem meets the tolerance but for the rounding of W r, no later step
- *          has less of it, and nothing is tried any more
- *   (ST3)  where the best r holds to rounding, a part of r that W does not feel may be what rounds:
- *          ADMM from r = 0 finds reactions with little of it, and the better one is the answer
- *   (ST4)  where Lemke's method has proved that there is no solution, or shown that none could be
- *          certified (facts/farkas.c), nothing is searched for; not by an early one, which the copy
- *          of canonical.c finds again for any order of the candidates
+ *   (ST2)  if the convex problem meets the tolerance up to the rounding of W r, the plan ends: no
+ *          later step has less rounding
+ *   (ST3)  if the best r is solved to rounding, a large component of r in the null space of W may
+ *          cause the rounding. ADMM from r = 0 finds reactions with a small one; the better r is
+ *          the answer
+ *   (ST4)  if Lemke's method has proved that there is no solution, or shown that none could be
+ *          certified (facts/farkas.c), the plan ends. An early Lemke step does not end it, because
+ *          the copy of canonical.c finds the proof again for each order of the contacts
  */
 #include <float.h>
 #include <math.h>

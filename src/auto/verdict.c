@@ -1,23 +1,25 @@
 /*
- * verdict.c: what can be said without an answer.
+ * verdict.c: the status if there is no answer.
  *
- * DLS_NO_SOLUTION if Lemke's method has a proof (facts/farkas.c). DLS_NO_SOLUTION_LIKELY only where
- * W shows no reason for a solution (vi/exists.c), and that linear problem shows that none could be
- * certified, or all steps have failed and, d = 2 and up to 8 candidates, no states of the
- * candidates have a solution (facts/states.c), or, d = 3 and up to 2, the augmented Lagrangian sees
- * the reactions run away at last and no r is near the tolerance. Else DLS_STALLED: larger problems
- * whose reactions run away may have a solution that no step finds.
- *
- * Where nothing is proved against a solution, up to dlsi_predicted_rows rows, Krawczyk's test
- * (facts/prove.c) may still prove the best r, improved by its Newton steps: then its rounding, not
- * its error, is what the certificate does not let pass, DLS_TO_ROUNDING.
+ *   DLS_NO_SOLUTION         Lemke's method has a proof (facts/farkas.c)
+ *   DLS_NO_SOLUTION_LIKELY  W shows no reason for a solution (vi/exists.c), and one of
+ *                             - the linear problem of farkas.c shows that none could be certified
+ *                             - all steps failed, d = 2, up to 8 contacts, and no states have a
+ *                               solution (facts/states.c)
+ *                             - all steps failed, d = 3, up to 2 contacts, no r is near the
+ *                               tolerance, and the augmented Lagrangian sees r run away
+ *   DLS_TO_ROUNDING         nothing is proved against a solution, up to dlsi_predicted_rows rows,
+ *                           and Krawczyk's test (facts/prove.c) proves the best r, improved by its
+ *                           Newton steps: only its rounding fails the certificate
+ *   DLS_STALLED             else. Larger problems whose reactions run away may have a solution that
+ *                           no step finds
  */
 #include <string.h>
 
 #include "auto/auto.h"
 
 /* Returns 1 if the augmented Lagrangian has ended with a direction delta along which W delta is 0
- * but for rounding: w: weights, set already. */
+ * up to rounding: w: weights, set already. */
 static int runs_away(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;

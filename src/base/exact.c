@@ -19,7 +19,7 @@
  *
  * is decided in whole numbers of twice the length.
  *
- * A vector that a method computed holds but for rounding. The conditions that are equations for it
+ * A vector that a method computed holds up to rounding. The conditions that are equations for it
  * hold exactly, if at all, near it (EX3): v itself, v without its negligible entries, v in whole
  * numbers, v rounded to few binary digits.
  */
@@ -208,7 +208,7 @@ static double exact_denominator(double x, double within, double most) {
   return k;
 }
 
-/* whole := v times a factor that makes all entries whole numbers but for rounding; returns 0 if
+/* whole := v times a factor that makes all entries whole numbers up to rounding; returns 0 if
  * there is none. */
 static int exact_to_whole(size_t n, const double *v, double *whole) {
   const double largest = dlsi_max_abs(v, n), most = 0x1p31;

@@ -34,15 +34,16 @@ typedef struct chart_options {
 static void chart_usage(FILE *out) {
   fputs(
       "Usage: delassus chart [OPTION]... FILE|SCENE\n"
-      "Every method on one contact problem (FCLIB, HDF5; or a scene of 'delassus scene --list'),\n"
-      "tolerances 1e-2 to 1e-14: CPU, residual, true error, convergence. Prints a table and the\n"
-      "method to take; writes chart.csv, history.csv and the picture chart.png, chart.svg.\n"
+      "Runs each method on one contact problem (a file, or a scene of 'delassus scene --list') to\n"
+      "tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and convergence. Prints a\n"
+      "table and the method to take; writes chart.csv, history.csv, chart.png and chart.svg.\n"
       "\n"
-      "  -r, --repeat=N        time each solve up to N times, the least counts (25)\n"
-      "  -l, --limit=S         CPU seconds that a solve may always take (1); more while it is\n"
-      "                        within 30 times the fastest\n"
-      "  -b, --budget=S        CPU seconds of all solves, about (12)\n"
-      "  -o, --out=DIR         where the files go (chart)\n" LAST_USAGE "\n"
+      "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"
+      "  -l, --limit=S         CPU seconds for a solve (1), or 30 times the fastest if that is\n"
+      "                        more\n"
+      "  -b, --budget=S        approximate CPU seconds of all solves (12)\n"
+      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed at a tolerance, 2 bad input.\n",
       out);
 }
@@ -284,8 +285,7 @@ static dls_status chart_histories(chart *c, double limit, dls_error *error) {
   return status < 0 ? status : DLS_OK;
 }
 
-static dls_status chart_measure(chart *c, const char *name, const chart_options *o,
-                                dls_error *error) {
+static dls_status chart_measure(chart *c, const chart_options *o, dls_error *error) {
   for (int rung = 0; rung < CHART_RUNGS; rung++)
     c->tol[rung] = pow(10, -2 - rung);
   const race_plan plan = {.rungs = CHART_RUNGS,
@@ -293,8 +293,7 @@ static dls_status chart_measure(chart *c, const char *name, const chart_options 
                           .repeat = o->repeat,
                           .limit = o->limit,
                           .budget = o->budget};
-  dls_status status = named_load(name, &c->subject, error);
-  if (!status) status = race_run(&c->race, &c->subject.contact, &plan, error);
+  dls_status status = race_run(&c->race, &c->subject.contact, &plan, error);
   if (status) return status;
   const size_t count = (size_t)c->race.count;
   c->error = malloc(count * CHART_RUNGS * sizeof *c->error);
@@ -324,14 +323,17 @@ static int chart_fails(const chart *c) {
 }
 
 static int run_chart(const char *name, const chart_options *o) {
+  const char *out = NULL;
   chart c = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  if (chart_measure(&c, name, o, &error))
+  dls_status status = named_load(name, &c.subject, &error);
+  if (!status && (out = take_folder(o->out, "chart", name))) status = chart_measure(&c, o, &error);
+  if (status)
     (void)complain_of(name, &error);
-  else {
+  else if (out) {
     if (prints_text()) print_chart(&c);
-    result = draw_chart(&c, o->out);
+    result = draw_chart(&c, out);
     const int rung = chart_fails(&c);
     char why[80] = "";
     if (result == EXIT_SOLVED && rung >= 0) {
@@ -339,7 +341,7 @@ static int run_chart(const char *name, const chart_options *o) {
       (void)snprintf(why, sizeof why, "auto to %.0e: %s", c.tol[rung],
                      ending_word(race_trial(&c.race, 0, rung)->end));
     }
-    result = end_table(result, why, "chart", o->out, "chart.csv");
+    result = end_table(result, why, "chart", out, "chart.csv");
   }
   race_free(&c.race);
   named_free(&c.subject);
@@ -364,7 +366,7 @@ int command_chart(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
                                           VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
   static const command chart_command = {"r:l:b:o:", options, chart_usage, take_chart_option, 1};
-  chart_options o = {.repeat = 25, .limit = 1, .budget = 12, .out = "chart"};
+  chart_options o = {.repeat = 25, .limit = 1, .budget = 12};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;
   watch_interrupt();

@@ -404,9 +404,8 @@ static int write_chart_script(const chart *c, const char *directory) {
 }
 
 int draw_chart(const chart *c, const char *directory) {
-  if (!make_directory(directory) || !write_chart_csv(c, directory) ||
-      !write_history_csv(c, directory) || !write_chart_data(c, directory) ||
-      !write_chart_script(c, directory))
+  if (!write_chart_csv(c, directory) || !write_history_csv(c, directory) ||
+      !write_chart_data(c, directory) || !write_chart_script(c, directory))
     return EXIT_BAD_INPUT;
   /* without gnuplot the run is still good: tables and script are there */
   if (run_gnuplot(directory, "chart.gp"))

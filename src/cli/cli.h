@@ -164,7 +164,7 @@ int wrong_names(const char *name);
 #define LAST_KEYS "jvqh"
 #define LAST_USAGE                                                                                 \
   "  -j, --json            print one JSON object instead of text\n"                                \
-  "  -v, --verbose         tell of the way on stderr, line by line\n"                              \
+  "  -v, --verbose         print progress on stderr\n"                                             \
   "  -q, --quiet           print the last line only, and what another option asks for\n"           \
   "  -h, --help            this text\n"
 
@@ -299,7 +299,7 @@ const char *iteration_word(dls_method method, int count);
 /* The meaning of a solve that ended without an answer. */
 typedef struct verdict {
   const char *says, *next; /* NULL: there is nothing to say */
-  int exact;               /* 1: farkas is a proof, 0: but for rounding */
+  int exact;               /* 1: farkas is a proof, 0: up to rounding */
   int rows, stride;        /* of farkas, and numbers in a row of ray */
   const double *farkas;    /* rows, or NULL */
   const double *ray;       /* rows x stride, along which the unknowns run away, or NULL */
@@ -307,7 +307,7 @@ typedef struct verdict {
   int unknowns, mover;     /* mover: an unknown of that body */
 } verdict;
 
-/* Fills says, next and exact; farkas tells a ray that has a solution excluded but for rounding. */
+/* Fills says, next and exact; farkas tells a ray that has a solution excluded up to rounding. */
 void verdict_fill(verdict *v, dls_status status, int lcp);
 
 /* Prints the verdict; with proof = 1 the vectors, too. */
@@ -485,6 +485,20 @@ enum { most_rows_of_map = 600 };
  * 1, a table on stdout. EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int show_sensitivity(const char *name, const dls_contact *contact, const double *r,
                      const char *directory, int text);
+
+/* ---- folder.c -------------------------------------------------------------------------------- */
+
+/* Returns the system's folder for temporary files: $TMPDIR, else /tmp. */
+const char *temporary_place(void);
+
+/* Takes a folder for the files of `delassus OF NAME` and returns its name. directory: given by
+ * the user; it and its parents are created where they are missing, and made-by.txt in it names the
+ * command. NULL: a new folder in temporary_place. name: NULL for a command of many names. Returns
+ * NULL after a complaint: the files there belong to another command, or it cannot be written. */
+const char *take_folder(const char *directory, const char *of, const char *name);
+
+/* Removes the new folder if nothing was written into it. */
+void drop_folder(void);
 
 /* ---- history_picture.c ----------------------------------------------------------------------- */
 

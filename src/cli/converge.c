@@ -22,10 +22,10 @@ static void converge_usage(FILE *out) {
   fputs(
       "Usage: delassus converge SCENE [OPTION]...\n"
       "Runs bar-impact, bar-bounce or bar-fixed on meshes of N, 2 N, 4 N, ... elements and prints\n"
-      "the L2 error of the gap beside the closed form, and the order at which it falls.\n"
+      "the L2 error of the gap relative to the closed form, and its order.\n"
       "\n"
       "      --from=N          elements of the first mesh (25)\n"
-      "      --meshes=K        meshes, each with twice the elements of the one before (5)\n",
+      "      --meshes=K        number of meshes, each with twice the elements (5)\n",
       out);
   moving_usage_options(out);
   fputs("  -o, --out=DIR         write converge.csv and a picture\n" LAST_USAGE, out);
@@ -96,7 +96,8 @@ static int converge_scene(const char *name, const converge_options *o) {
   double h[MOST_MESHES], error[MOST_MESHES];
   dls_status status = DLS_OK;
   FILE *csv = NULL;
-  if (o->out && (!make_directory(o->out) || !(csv = open_in(o->out, "converge.csv"))))
+  if (o->out &&
+      (!take_folder(o->out, "converge", name) || !(csv = open_in(o->out, "converge.csv"))))
     return EXIT_BAD_INPUT;
   if (csv) fputs("elements,h,error,order\n", csv);
   int count = 0, good = 1;

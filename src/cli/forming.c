@@ -46,21 +46,22 @@ static void forming_usage(FILE *out) {
       "      --clamped         indentation: the bottom sticks to its support\n"
       "      --ram-mu=MU       extrusion: friction at the ram (0)\n"
       "      --penalty=FACTOR  augmented-lagrangian, penalty: springs over stiffness (30; 1000)\n"
-      "      --augmentations=N augmented-lagrangian: at most N a step (as many as it takes)\n"
+      "      --augmentations=N augmented-lagrangian: at most N a step (no limit)\n"
       "      --relaxation=W    gauss-seidel: 0 < W < 2 (1)\n"
       "      --no-aitken       gauss-seidel: plain sweeps\n"
       "  -t, --tol=T           on equilibrium and certificate (1e-9)\n"
       "      --step-tol=T      compare each step with two halves, and halve it until their forces\n"
-      "                        differ by at most T of the largest one; tells their sum\n"
+      "                        differ by at most T of the largest one; prints their sum\n"
       "  -l, --limit=S         CPU seconds of the whole run (none)\n"
       "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
       "                        that reaches displacement D\n"
       "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
       "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE "\n"
-      "A run ends early, with exit status 1, where the next step would leave no body (a corner of\n"
-      "an element inside out, a node inside a tool, a boundary that crosses itself, forces or\n"
-      "energy that do not balance) or cannot be solved, and says where. All up to there is "
-      "written.\n",
+      "A run ends early, with exit status 1, if the next step cannot be solved or leaves no body: "
+      "a\n"
+      "corner of an element inside out, a node inside a tool, a boundary that crosses itself, "
+      "forces\n"
+      "or energy that do not balance. It prints where, and writes all steps before.\n",
       method_list(methods, sizeof methods));
 }
 
@@ -166,7 +167,7 @@ static void write_force(const outputs *o, const dls_forming_data *d, const char 
 }
 
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
-  if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
+  if (!(o->force = open_in(directory, "force.csv")) ||
       !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
       !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
@@ -220,7 +221,7 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
          plural(d->count.frames), d->count.newton, plural(d->count.newton), d->count.reductions,
          plural(d->count.reductions), d->count.iterations, plural(d->count.iterations));
   if (d->count.handed)
-    printf("%d step%s handed on to another way than Newton's method on K\n", d->count.handed,
+    printf("%d step%s solved by another method than Newton's on K\n", d->count.handed,
            plural(d->count.handed));
   printf("forces on the body [N]:");
   const char *comma = "";
@@ -345,7 +346,7 @@ static int run_forming(const forming_options *o) {
   int result = EXIT_BAD_INPUT;
   dls_forming_data first;
   dls_forming_get(forming, &first);
-  if (!o->out || open_outputs(&out, o->out, &first))
+  if (!o->out || (take_folder(o->out, "scene", o->name) && open_outputs(&out, o->out, &first)))
     if (run_steps(forming, o, &out, &status)) {
       dls_forming_data d;
       dls_forming_get(forming, &d);

@@ -55,8 +55,8 @@ void hint_operators(const dls_model *model) {
   }
   free(dense);
   if (count)
-    hint("H_N: the normal of contact %d has length %.3g, and so %d of %d; a normal has length 1, "
-         "rotations aside",
+    hint("H_N: the normal of contact %d has length %.3g, as have %d of %d; a normal has length 1, "
+         "apart from rotations",
          stretched, length, count, model->nodes);
   if (leans)
     hint("H_T: the tangent of contact %d is not perpendicular to its normal (cosine %.2g)", leaning,
@@ -93,12 +93,11 @@ void hint_answer(const problem *p, const double *r) {
   }
   /* along the tangents all contacts go one way, and farther than along the normals */
   if (tangent > 0 && fabs(sum) == tangent && tangent > 2 * nc * normal)
-    hint("nothing presses, and the loads move the contacts along H_T: have H_N and H_T been "
+    hint("nothing presses, and the loads move the contacts along H_T: are H_N and H_T "
          "exchanged?");
   else
-    hint(
-        "nothing presses though other unknowns are loaded: look at the signs of the normals, which "
-        "point from the obstacle into the body, and of the loads");
+    hint("nothing presses although unknowns are loaded: check the signs of the loads and of the "
+         "normals, which point from the obstacle into the body");
 }
 
 void hint_size(const dls_fe_mesh *mesh, const double *displacement) {
@@ -107,8 +106,7 @@ void hint_size(const dls_fe_mesh *mesh, const double *displacement) {
   const double size = fmax(hi[0] - lo[0], hi[1] - lo[1]);
   const double most = largest_entry(displacement, 2 * mesh->nodes);
   if (most > size)
-    hint("the largest displacement, %.3g, is beyond the size of the body, %.3g: look at the units "
-         "of "
+    hint("the largest displacement, %.3g, exceeds the size of the body, %.3g: check the units of "
          "Young's modulus and of the loads",
          most, size);
 }

@@ -8,7 +8,7 @@
 static void info_usage(FILE *out) {
   fputs(
       "Usage: delassus info [OPTION]... FILE\n"
-      "Facts about a contact problem (FCLIB, HDF5; local, or global after its reduction; or "
+      "Prints facts about a contact problem (FCLIB, HDF5; local, or global after its reduction; or "
       "text):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
@@ -19,8 +19,8 @@ static void info_usage(FILE *out) {
       "(2000)\n"
       "      --sensitivity     solve, and show which gaps and loads each reaction depends on, and\n"
       "                        how it changes with friction: a table, and a map in DIR (600 rows)\n"
-      "  -o, --out=DIR         where the map goes (sensitivity)\n" LAST_USAGE
-      "\nIn JSON null stands for: not known, none, or unbounded.\n",
+      "  -o, --out=DIR         folder for the map (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
       out);
 }
 
@@ -167,7 +167,7 @@ static void print_solutions(int m, const trust *t) {
   if (t->status == DLS_NO_SOLUTION)
     puts("  this load has no solution (proved, state by state)");
   else if (t->status == DLS_NO_SOLUTION_LIKELY)
-    puts("  this load has no solution, but for rounding");
+    puts("  this load has no solution, up to rounding");
   else
     printf("  all solutions for this load: %d isolated, %d continu%s%s\n", set->isolated,
            set->continua, set->continua == 1 ? "um" : "a",
@@ -333,7 +333,8 @@ static int map_answer(const char *path, const dls_contact *contact, const char *
     return complain("--sensitivity: %s has %d rows, 1 to %d are mapped", path, m, most_rows_of_map);
   if (solve_and_prove(contact, r, &proof, &solved, &error)) return complain_of(path, &error);
   if (!solved) return complain("--sensitivity: %s: auto has no answer in a second", path);
-  return show_sensitivity(path, contact, r, out, prints_text());
+  out = take_folder(out, "info", path);
+  return out ? show_sensitivity(path, contact, r, out, prints_text()) : EXIT_BAD_INPUT;
 }
 
 static taken take_info_option(int key, const char *text, void *data) {
@@ -351,7 +352,7 @@ int command_info(int argc, char **argv) {
   static const struct option options[] = {VALUE("limit", 'l'), FLAG("sensitivity", 's'),
                                           VALUE("out", 'o'), LAST_OPTIONS};
   static const command info = {"o:", options, info_usage, take_info_option, 1};
-  info_options o = {.limit = 2000, .out = "sensitivity"};
+  info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;
   const char *path = argv[optind];

@@ -84,6 +84,7 @@ void print_json_head(const char *title, const char *status, const char *why) {
 
 int end_table(int result, const char *why, const char *title, const char *directory,
               const char *name) {
+  if (result != EXIT_BAD_INPUT) tell("files: %s\n", quote(AS_SHOWN, directory).text);
   if (!is_json() || result == EXIT_BAD_INPUT) return end_command(result, why);
   if (was_interrupted()) {
     result = EXIT_NOT_SOLVED;

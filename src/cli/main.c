@@ -8,36 +8,35 @@
 #include "linear/blas.h"
 
 static void program_usage(FILE *out) {
-  fputs(
-      "Usage: delassus COMMAND [OPTION]...\n"
-      "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
-      "\n"
-      "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
-      "  delassus converge SCENE\n"
-      "                        error of a moving bar against the length of an element\n"
-      "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
-      "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
-      "  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU\n"
-      "                        solve a problem from the matrices of a host code\n"
-      "  delassus solve --lcp M.mtx q.mtx\n"
-      "                        solve an LCP given as two Matrix Market files\n"
-      "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
-      "  delassus chart NAME   every method on a file or scene: CPU against precision, a picture\n"
-      "  delassus map NAME...  which method works up to which friction: a picture\n"
-      "  delassus profile NAME...   every method on many of them: performance profiles\n"
-      "\n"
-      "  delassus help [COMMAND | methods | scenes]\n"
-      "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
-      "  -V, --version         version\n"
-      "\n"
-      "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
-      out);
+  fputs("Usage: delassus COMMAND [OPTION]...\n"
+        "Solves problems of unilateral contact with Coulomb friction.\n"
+        "\n"
+        "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
+        "  delassus converge SCENE\n"
+        "                        error of a bar that hits a wall against the length of an element\n"
+        "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
+        "  delassus solve FILE   solve a problem from a file (FCLIB or text)\n"
+        "  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU\n"
+        "                        solve a problem from the matrices of a host code\n"
+        "  delassus solve --lcp M.mtx q.mtx\n"
+        "                        solve an LCP given as two Matrix Market files\n"
+        "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
+        "  delassus chart NAME   each method on one problem: accuracy against CPU, a picture\n"
+        "  delassus map NAME...  which method works up to which friction: a picture\n"
+        "  delassus profile NAME...   each method on many problems: performance profiles\n"
+        "\n"
+        "  delassus help [COMMAND | methods | scenes]\n"
+        "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
+        "  -V, --version         version\n"
+        "\n"
+        "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
+        out);
 }
 
 /* Is in OpenBLAS alone; NULL with another BLAS. */
 extern void openblas_set_num_threads(int count) __attribute__((weak));
 
-/* OpenBLAS looks for ever for the memory of its buffer if there is none (a limit on the address
+/* OpenBLAS looks without end for the memory of its buffer if there is none (a limit on the address
  * space: ulimit -v, a batch system). Has it take that now, before anything else takes memory.
  * Returns 0 after a complaint. */
 static int blas_takes_memory(void) {
@@ -137,6 +136,7 @@ int main(int argc, char **argv) {
   } else
     result = *name ? no_command(name) : (program_usage(stderr), EXIT_BAD_INPUT);
   drop_files();
+  drop_folder();
   drop_inputs();
   if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
   return result;

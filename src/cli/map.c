@@ -19,21 +19,23 @@ static void map_usage(FILE *out) {
   fputs(
       "Usage: delassus map [OPTION]... FILE|SCENE\n"
       "  or:  delassus map [OPTION]... FILE|SCENE FILE|SCENE...\n"
-      "Where each method works. Columns are methods; rows are friction or, of several names, the\n"
-      "problems. Colours tell the verdict; shade and number, CPU over the fastest of the row.\n"
-      "Scenes that go in steps (indentation, bar-impact, ...): friction and the number of steps.\n"
-      "Writes map.csv and the picture map.png, map.svg; Ctrl-C draws what is done.\n"
+      "Shows where each method works. Columns are methods; rows are friction, or the problems if\n"
+      "there are several names. The colour is the verdict; shade and number are the CPU over the\n"
+      "fastest of the row. For scenes in steps (indentation, bar-impact, ...) the axes are "
+      "friction\n"
+      "and the number of steps. Writes map.csv, map.png and map.svg; Ctrl-C draws what is done.\n"
       "\n"
-      "      --mu=FROM:TO      friction (0:10; forming 0:1), and the problem's own\n"
-      "      --rows=N          how many values of friction (18; 8)\n"
-      "      --against=WHAT    condition, rank or skew of W on the x axis, one panel a method:\n"
-      "                        share of the samples that it solves; mesh, of scenes in steps\n"
-      "      --samples=N       random loads a cell (5)\n"
-      "  -m, --method=METHOD   of scenes in steps (auto)\n"
+      "      --mu=FROM:TO      range of friction (0:10; forming 0:1)\n"
+      "      --rows=N          number of values of friction (18; 8)\n"
+      "      --against=WHAT    x axis: condition, rank or skew of W, with a panel for each method\n"
+      "                        that shows the share of solved samples; mesh, for scenes in steps\n"
+      "      --samples=N       random loads for each cell (5)\n"
+      "  -m, --method=METHOD   method for scenes in steps (auto)\n"
       "  -t, --tol=T           tolerance (1e-8)\n"
-      "  -l, --limit=S         CPU seconds that a solve may take (0.3; --against 0.05;\n"
-      "                        scenes in steps: a cell 10)\n"
-      "  -o, --out=DIR         where the files go (map)\n" LAST_USAGE "\n"
+      "  -l, --limit=S         CPU seconds for a solve (0.3; --against 0.05), or for a cell of\n"
+      "                        scenes in steps (10)\n"
+      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed where another method did not, 2 bad input.\n",
       out);
 }
@@ -246,7 +248,7 @@ static dls_status map_problems(map_run *m, int count, char **names, const map_op
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-int map_methods(int count, char **names, const map_options *o) {
+int map_methods(int count, char **names, map_options *o) {
   map_run *m = calloc(1, sizeof *m);
   named subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
@@ -254,7 +256,7 @@ int map_methods(int count, char **names, const map_options *o) {
   const char *at = names[0];
   char title[200], subtitle[200];
   if (!m) return complain("%s: out of memory", at);
-  m->picture = (map_picture){.directory = o->out, .title = title, .subtitle = subtitle};
+  m->picture = (map_picture){.title = title, .subtitle = subtitle};
   m->picture.panels = 1;
   m->picture.x = "";
   m->picture.columns = list_contenders(m->who);
@@ -265,16 +267,18 @@ int map_methods(int count, char **names, const map_options *o) {
     (void)snprintf(m->picture.column[k], MAP_NAME, "%s",
                    strcmp(m->who[k].name, "augmented-lagrangian") ? m->who[k].name : "augm. L.");
   m->picture.cells = calloc((size_t)MAP_ROWS * MAP_COLUMNS, sizeof *m->picture.cells);
-  if (m->picture.cells) status = DLS_OK; /* the files complain by themselves */
-  if (m->picture.cells && make_directory(o->out) && (m->csv = open_in(o->out, "map.csv"))) {
+  if (m->picture.cells) status = count > 1 ? DLS_OK : named_load(at, &subject, &error);
+  /* the files complain by themselves */
+  if (!status && (o->out = take_folder(o->out, "map", count > 1 ? NULL : at)) &&
+      (m->csv = open_in(o->out, "map.csv"))) {
+    m->picture.directory = o->out;
     fputs("row,mu,method,verdict,cpu_s,iterations,residual\n", m->csv);
     if (count > 1) {
       status = map_problems(m, count, names, o, &at, &error);
       (void)snprintf(title, sizeof title, "Who solves what: %d problem%s", m->picture.rows,
                      plural(m->picture.rows));
     } else {
-      status = named_load(at, &subject, &error);
-      if (!status) status = map_friction(m, &subject.contact, o, &error);
+      status = map_friction(m, &subject.contact, o, &error);
       (void)snprintf(title, sizeof title, "%s: who solves it, friction by friction", subject.name);
     }
     (void)snprintf(subtitle, sizeof subtitle,
@@ -336,8 +340,7 @@ int command_map(int argc, char **argv) {
       VALUE("samples", 's'), VALUE("tol", 't'),  VALUE("limit", 'l'),
       VALUE("method", 'm'),  VALUE("out", 'o'),  LAST_OPTIONS};
   static const command map = {"t:l:m:o:", options, map_usage, take_map_option, 0};
-  map_options o = {
-      .to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto", .out = "map"};
+  map_options o = {.to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;
   if (argc == optind) return wrong_names(argv[0]);

@@ -59,12 +59,12 @@ typedef struct map_options {
   int samples;
   const char *against; /* NULL: methods */
   const char *method;  /* of scenes that go in steps */
-  const char *out;
+  const char *out;     /* NULL: a new folder */
 } map_options;
 
-int map_methods(int count, char **names, const map_options *o);
-int map_against(const char *name, const map_options *o); /* map_against.c */
+int map_methods(int count, char **names, map_options *o);
+int map_against(const char *name, map_options *o); /* map_against.c */
 /* moves = 1: a scene of bodies that move, 0: forming (map_steps.c) */
-int map_steps(const char *name, const map_options *o, int moves);
+int map_steps(const char *name, map_options *o, int moves);
 
 #endif

@@ -263,7 +263,7 @@ static int find_damage(const char *name, damage *kind) {
   return 0;
 }
 
-int map_against(const char *name, const map_options *o) {
+int map_against(const char *name, map_options *o) {
   against a = {0};
   char title[200], subtitle[200];
   named subject = {0};
@@ -281,7 +281,7 @@ int map_against(const char *name, const map_options *o) {
     return result;
   }
   map_picture *p = &a.picture;
-  *p = (map_picture){.directory = o->out, .title = title, .subtitle = subtitle, .y = "friction"};
+  *p = (map_picture){.title = title, .subtitle = subtitle, .y = "friction"};
   p->x = damages[a.kind].label;
   p->panels = list_contenders(a.who);
   p->rows = o->rows && o->rows <= MAP_ROWS ? o->rows : AGAINST_ROWS;
@@ -300,7 +300,8 @@ int map_against(const char *name, const map_options *o) {
                  o->samples, o->tol);
   if (status || !p->cells)
     (void)complain_of(name, &error);
-  else if (make_directory(o->out)) {
+  else if ((o->out = take_folder(o->out, "map", name))) {
+    p->directory = o->out;
     status = against_fill(&a, &subject.contact, o, &error);
     if (!status)
       result = draw_map(p);

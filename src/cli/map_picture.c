@@ -233,8 +233,7 @@ static int write_map_script(const map_picture *p) {
 int draw_map(const map_picture *given) {
   map_picture p = *given;
   qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
-  if (!make_directory(p.directory) || !write_map_data(&p) || !write_map_script(&p))
-    return EXIT_BAD_INPUT;
+  if (!write_map_data(&p) || !write_map_script(&p)) return EXIT_BAD_INPUT;
   if (run_gnuplot(p.directory, "map.gp"))
     tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
   return EXIT_SOLVED;

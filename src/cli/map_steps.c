@@ -182,10 +182,10 @@ static dls_status fill_walks(map_picture *p, walker *w, const map_options *o, in
 
 /* ---- the map --------------------------------------------------------------------------------- */
 
-int map_steps(const char *name, const map_options *o, int moves) {
+int map_steps(const char *name, map_options *o, int moves) {
   const int mesh = o->against != NULL;
   char title[200], x[80];
-  map_picture p = {.directory = o->out, .title = title, .panels = 1, .columns = STEP_COLUMNS};
+  map_picture p = {.title = title, .panels = 1, .columns = STEP_COLUMNS};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   walker w = {.name = name, .moves = moves};
   int all_done = 0, result = EXIT_BAD_INPUT;
@@ -205,7 +205,8 @@ int map_steps(const char *name, const map_options *o, int moves) {
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells)
     (void)complain_of(name, &error);
-  else if (make_directory(o->out)) {
+  else if ((o->out = take_folder(o->out, "map", name))) {
+    p.directory = o->out;
     const dls_status status = fill_walks(&p, &w, o, mesh, &all_done, &error);
     if (!status)
       result = draw_map(&p);

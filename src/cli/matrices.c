@@ -60,27 +60,27 @@ int matrices_given(const matrix_options *o) {
 
 void matrices_usage(FILE *out) {
   fputs(
-      "Matrices of a host code, K x = f + H r, u = H^T x + g (files: Matrix Market, .npy, plain\n"
-      "text columns; docs/files.md has what each must hold):\n"
+      "Matrices of a host code, K x = f + H r, u = H^T x + g, as Matrix Market, .npy or plain\n"
+      "text (the guide, 'Files', has the details):\n"
       "      --stiffness=K     n x n, sparse or dense; CalculiX's job.sti, with job.dof beside it\n"
       "      --flexibility=F   K^-1, n x n, instead of K\n"
       "      --HN=N --HT=T     n x nodes and n x (d-1) nodes, the normals and the tangents; "
       "normals\n"
       "                        point from the obstacle into the body\n"
       "      --H=H             both: columns (n, t) or (n, t, s) of each contact node\n"
-      "      --nodes=LIST      both, from rows 'node n_x n_y [n_z]': nodes are numbered from 1, "
+      "      --nodes=LIST      both, from rows 'node n_x n_y [n_z]'; nodes are numbered from 1, "
       "as\n"
-      "                        in job.dof, else unknown d (node - 1) + k is direction k of a node\n"
+      "                        in job.dof; otherwise unknown d (node - 1) + k is direction k\n"
       "      --f=F             n loads; with --nodes also rows 'node direction value'\n"
       "      --g=G             gaps: a number, one or d for each contact node; 0 without it\n"
       "      --mu=MU           friction: a number (inf: no slip) or one for each candidate\n"
       "      --weights=P       nodes x candidates, the weighting of the reactions\n"
       "      --W=W --q=Q       the condensed problem u = W r + q itself, instead of K, H, f, g\n"
-      "      --dim=D           2 or 3, or 1 for normals alone, where the sizes of the files do not "
-      "tell\n"
-      "      --on=W|K          solve on the Delassus matrix W, or on K itself, which takes bodies\n"
-      "                        that contact alone holds; without it the cheaper one is foreseen\n"
-      "      --stabilize       free bodies: on K, as without it\n"
+      "      --dim=D           2 or 3, if the sizes do not determine it; 1: normals alone\n"
+      "      --on=W|K          solve on the Delassus matrix W, or on K itself (also for bodies "
+      "that\n"
+      "                        contact alone holds); default: the lower estimated cost\n"
+      "      --stabilize       free bodies: solve on K, which is the default for them\n"
       "      --modes=B         free bodies: n x k, a basis of the rigid-body modes\n",
       out);
 }
@@ -90,7 +90,7 @@ static int check_matrices(const matrix_options *o) {
   const int operators = (o->stiffness != NULL) + (o->flexibility != NULL) + (o->W != NULL);
   const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes != NULL);
   if (operators != 1)
-    complain("one of --stiffness, --flexibility and --W is wanted");
+    complain("give one of --stiffness, --flexibility and --W");
   else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize ||
                     o->on == DLS_ON_K))
     complain("--W: goes with --q, --mu and --dim");
@@ -101,11 +101,11 @@ static int check_matrices(const matrix_options *o) {
   else if (!o->W && o->dim == 1)
     complain("--dim: 1 goes with --W; beside K, --HN without --HT is without friction");
   else if (!o->W && traces != 1)
-    complain("one of --HN, --H and --nodes is wanted");
+    complain("give one of --HN, --H and --nodes");
   else if (o->HT && !o->HN)
     complain("--HT: goes with --HN");
   else if (!o->mu && o->dim != 1 && (!o->HN || o->HT))
-    complain("--mu: is wanted, 0 for no friction");
+    complain("give --mu, 0 for no friction");
   else if (o->flexibility && (o->modes || o->stabilize || o->on == DLS_ON_K))
     complain("--%s: is for --stiffness", o->modes ? "modes" : o->stabilize ? "stabilize" : "on=K");
   else if (o->modes && o->stabilize)
@@ -420,8 +420,8 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
       const int cols = own->HT.view.cols;
       d = cols == 2 * nodes ? 3 : 2;
       if (good && nodes == 2 * cols)
-        return complain("--HT: %s has %d column%s, --HN %d: have --HN and --HT been exchanged?",
-                        o->HT, cols, plural(cols), nodes),
+        return complain("--HT: %s has %d column%s, --HN %d: are --HN and --HT exchanged?", o->HT,
+                        cols, plural(cols), nodes),
                0;
       if (good && (cols != (d - 1) * nodes || (o->dim && d != o->dim)))
         good = (complain("--HT: %s has %d column%s; --HN has %d, so %d or %d are wanted", o->HT,

@@ -21,7 +21,7 @@ void moving_usage_options(FILE *out) {
   char methods[METHOD_LIST_ROOM];
   fprintf(
       out,
-      "      --law=LAW         velocity: impacts, a candidate is active when it is closed;\n"
+      "      --law=LAW         velocity: impacts, a contact is active when it is closed;\n"
       "                        gap: no penetration at the end of a step; path: equilibria, no\n"
       "                        mass (velocity; jean-moving, two-blocks: path)\n"
       "      --theta=T         of the scheme, .5 to 1 (velocity: .5; gap: 1)\n"
@@ -34,7 +34,7 @@ void moving_usage_options(FILE *out) {
       "      --upper=N         two-blocks: elements of the upper block along x (11)\n"
       "      --mu=MU           friction (0; jean-moving 1, jean-moving4 .1, block-drop .3,\n"
       "                        two-blocks .25)\n"
-      "      --amplitude=A     jean-moving: of the obstacle's way (1e-5 m)\n"
+      "      --amplitude=A     jean-moving: amplitude of the obstacle (1e-5 m)\n"
       "      --frequency=F     jean-moving: cycles per unit of time (path: 1; else 1000)\n"
       "  -m, --method=METHOD   for the contact problems: %s\n"
       "  -t, --tol=T           on their certificates (1e-12)\n",
@@ -164,7 +164,7 @@ static double surface_part(const dls_moving_data *d, int c) {
 }
 
 static int moving_open(moving_files *f, const char *directory, const dls_moving_data *d) {
-  if (!make_directory(directory) || !(f->energy = open_in(directory, "energy.csv")) ||
+  if (!(f->energy = open_in(directory, "energy.csv")) ||
       !(f->contact = open_in(directory, "contact.csv")) || !(f->series = open_series(directory)))
     return 0;
   fputs("t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n", f->energy);
@@ -363,7 +363,7 @@ static int run_moving(const moving_options *o) {
     return complain_of(o->name, &error);
   dls_moving_get(moving, &d);
   if (prints_text()) print_moving_head(&d);
-  if (!o->out || moving_open(&files, o->out, &d))
+  if (!o->out || (take_folder(o->out, "scene", o->name) && moving_open(&files, o->out, &d)))
     if (moving_steps(moving, o, &files, &worst, &status)) {
       dls_moving_get(moving, &d);
       if (is_json())

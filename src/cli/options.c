@@ -77,8 +77,8 @@ void solver_usage(FILE *out, const char *more, double tol) {
   char methods[METHOD_LIST_ROOM];
   fprintf(out,
           "  -m, --method=METHOD   one of: %s%s (auto)\n"
-          "  -a, --accel=HOW       nlgs, which it asks for: none (default), aitken, anderson\n"
-          "                        or momentum\n"
+          "  -a, --accel=HOW       acceleration of nlgs (selects nlgs): none (default), aitken,\n"
+          "                        anderson, momentum\n"
           "  -t, --tol=T           tolerance on the certificate's residual (%g)\n"
           "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
           "      --threads=N       threads for sweeps over a large W, 1 to 1024 (1)\n",

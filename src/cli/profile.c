@@ -27,15 +27,15 @@ typedef struct profile_options {
 static void profile_usage(FILE *out) {
   fputs(
       "Usage: delassus profile [OPTION]... FILE|SCENE...\n"
-      "Every method on many contact problems, tolerances 1e-2 to 1e-14: performance profiles,\n"
-      "each problem, and the CPU of auto over that of the fastest single method. Writes\n"
-      "profile.csv and the picture profile.png, profile.svg.\n"
+      "Runs each method on many contact problems to tolerances 1e-2 to 1e-14: performance\n"
+      "profiles, each problem, and the CPU of auto over that of the fastest single method. Writes\n"
+      "profile.csv, profile.png and profile.svg.\n"
       "\n"
-      "  -r, --repeat=N        time each solve up to N times, the least counts (15)\n"
-      "  -l, --limit=S         CPU seconds that a solve may always take (0.5); more while it\n"
-      "                        is within 30 times the fastest\n"
-      "  -b, --budget=S        CPU seconds for a problem, about (6)\n"
-      "  -o, --out=DIR         where the files go (profile)\n"
+      "  -r, --repeat=N        time each solve up to N times and use the least (15)\n"
+      "  -l, --limit=S         CPU seconds for a solve (0.5), or 30 times the fastest if that is\n"
+      "                        more\n"
+      "  -b, --budget=S        approximate CPU seconds for a problem (6)\n"
+      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is printed)\n"
       "      --portfolio       instead: the steps of auto, on how many problems each was taken, "
       "on\n"
       "                        how many it ended the solve, its CPU; and each step alone: on how\n"
@@ -216,7 +216,8 @@ static int run_profile(int count, char **list, const profile_options *o) {
   p.seconds = malloc(cells * sizeof *p.seconds);
   int good = p.name && p.seconds && ratio;
   if (!good) (void)complain("out of memory");
-  if (good) good = make_directory(o->out) && (p.csv = open_in(o->out, "profile.csv"));
+  const char *out = good ? take_folder(o->out, "profile", NULL) : NULL;
+  if (good) good = out && (p.csv = open_in(out, "profile.csv"));
   if (good) fputs("problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n", p.csv);
   for (int i = 0; i < count && good && !was_interrupted(); i++)
     good = profile_add(&p, list[i], o);
@@ -225,7 +226,7 @@ static int run_profile(int count, char **list, const profile_options *o) {
     for (int t = 0; t < PROFILE_TARGETS && prints_text(); t++)
       print_target(&p, profile_target[t], ratio);
     if (prints_text()) print_auto(&p, ratio);
-    good = draw_profile(&p, o->out);
+    good = draw_profile(&p, out);
   }
   free(ratio);
   free(p.name);
@@ -236,7 +237,7 @@ static int run_profile(int count, char **list, const profile_options *o) {
   return end_table(!good      ? EXIT_BAD_INPUT
                    : p.failed ? EXIT_NOT_SOLVED
                               : EXIT_SOLVED,
-                   why, "profile", o->out, "profile.csv");
+                   why, "profile", out, "profile.csv");
 }
 
 static taken take_profile_option(int key, const char *text, void *data) {
@@ -258,7 +259,7 @@ int command_profile(int argc, char **argv) {
                                           LAST_OPTIONS};
   static const command profile_command = {"r:l:b:o:t:", options, profile_usage, take_profile_option,
                                           0};
-  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8, .out = "profile"};
+  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
   if (argc == optind) return wrong_names(argv[0]);

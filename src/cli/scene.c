@@ -30,13 +30,12 @@ typedef struct scene_options {
 static const double default_tol = 1e-14;
 
 static void scene_usage(FILE *out) {
-  fputs(
-      "Usage: delassus scene [OPTION]... NAME\n"
-      "  or:  delassus scene --list\n"
-      "Runs a built-in scene and prints displacements and reactions of its candidates. Scenes in\n"
-      "load steps or in time have options of their own: delassus scene NAME --help.\n"
-      "\n",
-      out);
+  fputs("Usage: delassus scene [OPTION]... NAME\n"
+        "  or:  delassus scene --list\n"
+        "Runs a built-in scene and prints displacements and reactions of its contacts. Scenes in\n"
+        "load steps or in time have options of their own: delassus scene NAME --help.\n"
+        "\n",
+        out);
   solver_usage(
       out,
       ",\n                        or gauss-seidel, on the displacements; or jean, the paper's"
@@ -50,7 +49,7 @@ static void scene_usage(FILE *out) {
       "      --load=TOP,SIDE[,SIDE_TOP]\n"
       "                        pressure on top, traction on the side, at its bottom and its top\n"
       "                        (5e8,9e8,25e8; 5e8,5e8)\n"
-      "      --order=HOW       the loads come on together (default), top-first or side-first\n"
+      "      --order=HOW       order of the loads: together (default), top-first or side-first\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
@@ -443,8 +442,7 @@ static int write_json(const char *directory, const outcome *o) {
 static int write_files(const run *a, const scene_options *o) {
   char path[PATH_ROOM], name[256], title[256];
   dls_error error = {0};
-  if (!make_directory(o->out) || !write_csv(a, o) || !write_json(o->out, &a->outcome))
-    return EXIT_BAD_INPUT;
+  if (!write_csv(a, o) || !write_json(o->out, &a->outcome)) return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
   if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, a->stress, &error))
@@ -481,6 +479,7 @@ static int run_scene(const scene_options *o) {
     goto end;
   }
   if (o->reference && !read_reference(o->reference, &a)) goto end;
+  if (o->out && !take_folder(o->out, "scene", o->name)) goto end;
   if (scene_compute(&a, o, &error)) {
     result = complain_of(o->name, &error);
     goto end;

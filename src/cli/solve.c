@@ -24,15 +24,11 @@ static void solve_usage(FILE *out) {
       "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
       "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
-      "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
-      "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
-      "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'. Each file may be\n"
-      "a pipe, or - for standard input.\n"
-      "An FCLIB file holds fclib_local/ with W, vectors/q, vectors/mu and spacedim, or\n"
-      "fclib_global/ with M, H, vectors/f, vectors/w, vectors/mu and spacedim; a matrix is a group "
-      "of\n"
-      "m n nz nzmax p i x, with nz = -1 compressed columns. delassus(1), docs/files.md: the "
-      "details.\n"
+      "Solves a contact problem from a file (FCLIB, local or global; or text) or from the "
+      "matrices\n"
+      "of a host code, or an LCP (Matrix Market, or text) by Lemke's method. The last line on\n"
+      "stdout is 'solved' or 'not solved: WHY'. Each file may be a pipe, or - for standard input.\n"
+      "delassus-solve(1) has the layout of FCLIB files.\n"
       "\n",
       out);
   matrices_usage(out);
@@ -40,27 +36,27 @@ static void solve_usage(FILE *out) {
   solver_usage(out, "", 1e-8);
   fputs(
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
-      "      --plan=STEPS      the steps of auto, in place of its own: sweeps:30,newton,homotopy\n"
-      "                        (30: its iterations; a wrong word names the right ones)\n"
-      "      --without=STEPS   auto without these steps: homotopy,scatter\n"
-      "      --explain         say what auto did: the regime, each step, its cost, why it ended\n"
-      "      --forces=WHICH    where W does not determine the reactions: any (default), or least,\n"
-      "                        those with the least sum of w |r|^2, on W\n"
+      "      --plan=STEPS      steps for auto, for example sweeps:30,newton,homotopy (30: limit "
+      "of\n"
+      "                        iterations); a wrong word prints the right ones\n"
+      "      --without=STEPS   steps that auto leaves out, for example homotopy,scatter\n"
+      "      --explain         print what auto did: the regime, each step, its cost, why it ended\n"
+      "      --forces=WHICH    if W does not determine the reactions: any (default), or least, "
+      "the\n"
+      "                        ones with the smallest sum of w |r|^2, on W\n"
       "\nThe answer:\n"
-      "      --print           print each candidate's state, gap, r and u, and each unknown's x\n"
-      "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, to the last digit\n"
+      "      --print           print state, gap, r and u of each contact, and x\n"
+      "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, with all digits\n"
       "  -o, --out=OUT         write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
       "an\n"
       "                        LCP (Matrix Market)\n"
-      "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
-      "as\n"
-      "                        the solve goes on; the last row is the answer\n"
-      "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
-      "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
-      "that\n"
-      "                        there is no solution, the ray along which the unknowns run away\n"
+      "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage\n"
+      "                        during the solve; the last row is the answer\n"
+      "  -P, --plot=DIR        write DIR/history.csv, and a picture of it\n"
+      "  -p, --proof           if there is no answer, print the vectors behind the verdict: the\n"
+      "                        proof that there is no solution, or the ray\n"
       "      --prove           prove the answer: improve r and bound its error, on W\n"
-      "      --lcp             the file or the files hold an LCP\n" LAST_USAGE,
+      "      --lcp             the files hold an LCP\n" LAST_USAGE,
       out);
 }
 
@@ -536,7 +532,7 @@ int command_solve(int argc, char **argv) {
   o.json = is_json();
   const char *named = matrices_name(&o.matrices);
   if (!named && matrices_given(&o.matrices))
-    return complain("one of --stiffness, --flexibility and --W is wanted");
+    return complain("give one of --stiffness, --flexibility and --W");
   const int files = argc - optind;
   if (o.lcp && files == 1 && other_kind(argv[optind]))
     return complain("--lcp: q is missing: delassus solve --lcp %s q.mtx", argv[optind]);
@@ -561,7 +557,8 @@ int command_solve(int argc, char **argv) {
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
   /* before the work: an answer that cannot be written is lost */
-  if ((o.plot && !make_directory(o.plot)) || (o.csv && !make_directory(o.csv)))
+  if ((o.plot && !take_folder(o.plot, "solve", NULL)) ||
+      (o.csv && !take_folder(o.csv, "solve", NULL)))
     return EXIT_BAD_INPUT;
   if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
   if (o.history && !(rows.file = open_path(o.history))) return EXIT_BAD_INPUT;

@@ -345,12 +345,11 @@ typedef struct tables_options {
 
 static void tables_usage(FILE *out) {
   fputs("Usage: delassus tables [--study] [--json]\n"
-        "Runs both forming scenes of Chabrand, Dubois and Raous (1998) by every method and prints\n"
-        "their Tables 2 and 3 beside ours.\n"
+        "Runs both forming scenes of Chabrand, Dubois and Raous (1998) by each method and\n"
+        "prints our figures beside their Tables 2 and 3.\n"
         "\n"
-        "      --study           the compromise of section 6 between the error of the forces and\n"
-        "                        the CPU, over penalty factors, augmentations, relaxation, "
-        "Aitken\n" LAST_USAGE "\n"
+        "      --study           section 6: error of the forces against CPU, for penalty factors,\n"
+        "                        augmentations, relaxation, Aitken\n" LAST_USAGE "\n"
         "Exit status: 0, 1 if a run of the tables stops before its end, 2 bad input.\n",
         out);
 }

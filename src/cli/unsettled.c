@@ -2,7 +2,7 @@
  * unsettled.c: says where an answer that is none is wrong, and whether sweeps lead away from it.
  *
  * On some packings at rest the solution is a fixed point that sweeps leave: the error grows at few
- * candidates until they change states, falls again, and so on for ever. The user learns which.
+ * candidates until they change states, falls again, and so on without end. The user learns which.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -11,41 +11,40 @@ void verdict_fill(verdict *v, dls_status status, int lcp) {
     v->says = "no equilibrium (proved)";
     v->next =
         v->mover < 0
-            ? "Joints contradict each other: those with an entry in what --proof shows ask "
-              "for different lengths of the same motion."
-            : "Nothing can hold a body: it moves rigidly with the loads, and no contact stops "
-              "it. --proof shows the motion; look for a support or a load that is missing.";
+            ? "Joints contradict each other. --proof prints a number for each joint that takes "
+              "part; these ask for different lengths of the same motion."
+            : "Nothing holds a body: it moves rigidly with the loads, and no contact stops "
+              "it. --proof prints the motion. Is a support or a load missing?";
   } else if (status == DLS_NO_SOLUTION) {
     v->says = "no solution (proved)";
     v->next =
-        lcp ? "No z >= 0 has M z + q >= 0: look for the mistake in the rows with v > 0, which "
-              "--proof shows."
-            : "No reactions keep all candidates apart: change the gaps, the loads or the "
-              "supports of the candidates with v > 0, which --proof shows, or their friction.";
+        lcp ? "No z >= 0 has M z + q >= 0. Look for the mistake in the rows with v > 0, which "
+              "--proof prints."
+            : "No reactions keep all contacts apart. Change gaps, loads, supports or friction of "
+              "the contacts with v > 0, which --proof prints.";
   } else if (status == DLS_NO_SOLUTION_LIKELY) {
     v->says = "no solution likely";
-    v->next = v->ray ? "The reactions run away in the direction that --proof shows: look for "
-                       "candidates that jam or are squeezed there, and lower their friction or let "
-                       "the bodies give way."
-              : v->farkas
-                  ? "But for rounding no reactions keep all candidates apart: look at the "
-                    "candidates with v > 0, which --proof shows."
-                  : "No states of the candidates have a solution, or it is too far away to be "
-                    "certified: look for candidates that jam or are squeezed, and lower their "
-                    "friction or let the bodies give way.";
+    v->next =
+        v->ray ? "The reactions grow without bound in the direction that --proof prints. Look for "
+                 "contacts that jam or are squeezed there. Lower their friction, or make the "
+                 "bodies softer."
+        : v->farkas ? "Up to rounding no reactions keep all contacts apart. Look at the contacts "
+                      "with v > 0, which --proof prints."
+                    : "No states of the contacts have a solution, or it is too large to be "
+                      "certified. Look for contacts that jam or are squeezed. Lower their "
+                      "friction, or make the bodies softer.";
   } else if (status == DLS_RAY && v->farkas) {
     v->says = "ray (to rounding)";
-    v->next = lcp ? "But for rounding there is no solution, which proves nothing: give the numbers "
-                    "as they were meant, whole if they are, or look at the rows with v > 0, which "
-                    "--proof shows."
-                  : "But for rounding there is no solution, which proves nothing: look at the "
-                    "candidates with v > 0, which --proof shows, or ask auto (-m auto).";
+    v->next = lcp ? "Up to rounding there is no solution, which proves nothing. Give exact numbers "
+                    "(fractions), or look at the rows with v > 0, which --proof prints."
+                  : "Up to rounding there is no solution, which proves nothing. Look at the "
+                    "contacts with v > 0, which --proof prints, or try --method auto.";
   } else if (status == DLS_RAY) {
-    v->says = "ray: this form of the problem says nothing";
+    v->says = "ray: Lemke's method stopped without an answer";
     v->next =
-        lcp ? "There may be a solution, unless M is positive semidefinite: another form of the "
-              "problem, or other units of rows and columns, may show it."
-            : "There may be a solution: let auto try the other methods (-m auto).";
+        lcp ? "A solution may or may not exist (none if M is positive semidefinite). Try another "
+              "form of the problem, or other units of rows and columns."
+            : "A solution may or may not exist. Try --method auto, which uses other methods.";
   }
 }
 
@@ -70,7 +69,7 @@ void verdict_print(const verdict *v, int proof) {
   if (v->motion && v->mover >= 0) printf("  the body of unknown %d moves\n", v->mover);
   if (!proof) return;
   if (v->farkas)
-    print_rows(v->exact ? "proof v:" : "v, a proof but for rounding:", v->rows, 1, v->farkas);
+    print_rows(v->exact ? "proof v:" : "v, a proof up to rounding:", v->rows, 1, v->farkas);
   if (v->motion)
     print_rows(v->mover < 0 ? "multipliers:" : "rigid motion:", v->unknowns, 1, v->motion);
   if (v->ray) print_rows("ray:", v->rows, v->stride, v->ray);

@@ -7,7 +7,7 @@
  *          candidates cycle, sweeps of Gauss-Seidel sort them out, and again
  *
  *   (CL3)  d = 2: v_c = s_c times the entry of row u_n in the LCP's Farkas vector is one of the
- *          contact problem, (EX2), but for rounding; a proof if it, or a vector near it, holds
+ *          contact problem, (EX2), up to rounding; a proof if it, or a vector near it, holds
  *          exactly for W, q and mu, which the LCP has only rounded
  *
  *   (CL4)  r_c = s_c r'_c with s_c = sqrt(w / w_c), w the largest w_c; what is left of the unit of
@@ -61,7 +61,7 @@ typedef struct contact_lemke {
   /* of the solve under way, or the last one */
   const dls_contact *problem;
   int form;     /* facets of the LCP that Lemke's method solves; 0: the 3-row form; linear_form */
-  int has_v;    /* 1: v is a Farkas vector, at least but for rounding */
+  int has_v;    /* 1: v is a Farkas vector, at least up to rounding */
   int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
   int excludes; /* 1: (CL5) shows that no r can be certified */
   int pivots;   /* of the LCPs before the one under way */
@@ -266,7 +266,7 @@ static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_er
   return DLS_OK;
 }
 
-/* (CL5) Returns DLS_NO_SOLUTION with a proof, DLS_RAY with a vector that is one but for rounding,
+/* (CL5) Returns DLS_NO_SOLUTION with a proof, DLS_RAY with a vector that is one up to rounding,
  * DLS_TIME_LIMIT, an error, else `status`. */
 static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, dls_status status,
                                int *pivots, dls_error *error) {

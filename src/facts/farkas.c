@@ -1,6 +1,6 @@
 /*
- * farkas.c: tells early that a contact problem has no solution, by the linear problem that every
- * solution solves.
+ * farkas.c: proves early that a contact problem has no solution, by a linear problem that each
+ * solution satisfies.
  *
  * A solution has r in the friction cones and u_n = (W r + q)_n >= 0. With the edges of the cones in
  * the columns of E, E_n = W_n E and r = E x, the smallest such r and its dual are
@@ -11,12 +11,13 @@
  *
  *   (FA2)  M = (0, E_n; -E_n', 0),  q = (q_n, w)
  *
- * M is skew, so that Lemke's method either solves it or ends in a ray with E_n' v <= 0, v.q_n < 0,
- * which is Farkas' vector, the proof of base/exact.h. d = 2: the two edges of the cone. d = 3: the
- * cone with 8 edges around the round one; what holds for it binds the round one. The LCP is stated
- * in the scaled unknowns of contact_lemke.c, where w = 1, times the size of q_n.
+ * M is skew. Therefore Lemke's method either solves the LCP or ends in a ray with E_n' v <= 0 and
+ * v.q_n < 0: a Farkas vector, the proof of base/exact.h. E has the two edges of the cone for d = 2,
+ * and for d = 3 the 8 edges of a polygonal cone around the round one, so that a proof also holds
+ * for the round cone. The LCP uses the scaled unknowns of contact_lemke.c, where w = 1, and
+ * multiplies w by the size of q_n.
  *
- * The dual v tells how far away a solution is, and a v that is Farkas' but for rounding does, too.
+ * The dual v bounds the size of a solution from below; so does a v that is Farkas' up to rounding.
  * With g_c = sum_a v_a (row n of W_ac), every r has v.u_n = g.r + v.q_n, and e_c = max(0, g_cn + mu
  * |g_ct|) bounds g_c.r_c / r_cn in the cone. An r whose certificate holds has a floor of at most
  * C / 4, C = max(tol, 1e-8), and |F| <= C |q|, hence |w r| <= R = C |q| / (4 eps), u_n >= -sqrt(1 +

@@ -18,9 +18,9 @@
  *          eps (Higham 2002, 9.3 and 8.5: 3 n eps / 2 for any order of sums). With theta its
  *          largest row sum, |A^-1| v <= |Z| (|P v| + theta / (1 - theta) max |v|)
  *
- * Before, y is improved by steps -A^-1 F; where states change on the way, all starts anew.
+ * Before, y is improved by steps -A^-1 F; where states change on the way, all starts again.
  *
- *   (PR7)  Where A is singular but for rounding, pivots on its diagonal choose unknowns that it
+ *   (PR7)  Where A is singular up to rounding, pivots on its diagonal choose unknowns that it
  *          determines. The others keep their values, and their equations need not hold: what
  *          they lack, at most |F| + delta B there, is taken from q.
  *

@@ -23,17 +23,17 @@
  * guesses of stick, slip and yield alternate, other cuts lead out of the circle. While supports are
  * still on their way the forces may grow: the way starts out of contact.
  *
- * Deviation. The paper leaves out the variation of the frames, the second part of (26). The contact
+ * Deviation. The paper neglects the variation of the frames, the second part of (26). The contact
  * loop then oscillates without end when a heavily loaded node passes the rounded corner of the die:
- * turning the frame moves the node by r_n curvature / stiffness times as much, and a plastic body
- * is soft along the surface. Here the reactions turn with the node to first order within the
- * equilibrium loop,
+ * each rotation of the frame moves the node by r_n curvature / stiffness times the last motion, and
+ * a plastic body is soft along the surface. Here the equilibrium loop rotates the reactions with
+ * the node, to first order,
  *
  *   H r + b t t.(x - anchor),   b = curvature r_n of the pass before                         (FO8)
  *
- * The turn vanishes at the end of the contact loop, where anchor = x. The part of r_t is left out.
- * What can fail: a step too large for the loops, DLS_STALLED. Halves of a step are a load path of
- * their own, and plastic answers depend on the path: where Newton's method does not contract,
+ * The rotation vanishes at the end of the contact loop, where anchor = x. The term of r_t is left
+ * out. What can fail: a step that is too large for the loops, DLS_STALLED. Halves of a step are
+ * another load path, and plastic answers depend on the path. If Newton's method does not contract,
  * rounding decides which steps are halved, and answers of two machines may differ by percents.
  */
 #include <math.h>

@@ -14,12 +14,14 @@
  * quarter of the largest of work, stored and spent. The first part is exempt: the billet starts
  * 0.011 mm inside the rounded corner of the die, and is pressed out of it before it is moved.
  *
- * (FS3) estimates the error of a step of first order: the halves have about half of its error, so
- * that |F - F_halves| is about the error of the halves; allowed is step_tol times the largest force
- * so far. The sum over the steps stands in the data: the error of the curve stays below it, since
- * errors of the early steps die away.
- * A jump is a force that leaves the line through its last two values by more than a quarter of the
- * largest force so far. At the friction of the paper 1 step of 100 and 3 of 300 do, all confirmed.
+ * (FS3) estimates the error of a step of first order. The halves have about half of its error, so
+ * that |F - F_halves| is about the error of the halves. It must be at most step_tol times the
+ * largest force so far. data.step_error is the sum over the steps, which bounds the error of the
+ * curve, because errors of early steps decay.
+ *
+ * A jump is a force that differs from the line through its last two values by more than 25 % of the
+ * largest force so far. At the friction of the paper 1 step of 100 and 3 of 300 jump; all are
+ * confirmed.
  *
  * What can fail: the smallest part. The state shown is then the last good one.
  */

@@ -127,7 +127,7 @@ struct dls_fe_series {
   size_t length, room; /* of rows */
 };
 
-/* Writes the collection anew, so that the file is whole after every row. */
+/* Writes the collection again, so that the file is whole after every row. */
 static dls_status series_write(const dls_fe_series *s, dls_error *error) {
   dlsi_output out;
   const dls_status status = dlsi_output_open(&out, s->path, error);

@@ -56,9 +56,9 @@ static void say_regime(words *to, const dls_info *info) {
 static void say_forecast(words *to, const dls_stage *s) {
   if (s->reason != DLS_REASON_COSTLIER) return;
   if (s->ahead <= DBL_MAX)
-    say(to, " (%.0f more sweeps foreseen, the next step costs %.0f)", s->ahead, s->next);
+    say(to, " (%.0f more sweeps expected, the next step costs %.0f)", s->ahead, s->next);
   else
-    say(to, " (no end foreseen, the next step costs %.0f sweeps)", s->next);
+    say(to, " (no end expected, the next step costs %.0f sweeps)", s->next);
 }
 
 /* all: CPU seconds of all stages, 0: not measured. */

@@ -15,7 +15,7 @@
  * METIS draws from rand(), whose state belongs to the host: (DS3) puts the state back. METIS also
  * holds SIGABRT and SIGTERM while it runs, for its own lack of memory, and puts them back as
  * handlers of one signal: (DS3) puts back what there was. A SIGTERM of the host ends METIS: it is
- * handed on to the host, and where the host goes on, METIS begins anew.
+ * handed on to the host, and where the host goes on, METIS begins again.
  * Cost: O(entries), and METIS. Fails: no memory.
  */
 #define _XOPEN_SOURCE 600 /* initstate, setstate, sigaction */

@@ -19,7 +19,7 @@ dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error);
 dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *work, size_t entries, dls_error *error);
 
 /* Factors A = L U, square, not empty, entries <= reserved. A may change in size and pattern from
- * call to call; the analysis is done anew when it does. DLS_E_SINGULAR, DLS_E_MEMORY. */
+ * call to call; the analysis is done again when it does. DLS_E_SINGULAR, DLS_E_MEMORY. */
 dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_error *error);
 
 /* Solves x := A^-1 x with the A of the last factor, which must have succeeded. DLS_E_MEMORY. */

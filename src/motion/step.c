@@ -16,7 +16,7 @@
  *   (MT8)  b = f - K z;  g_n = gap(z) at the obstacle's new place,  g_t = L_t^T (z - x) - h y'_t
  *   (MT9)  (MT3) to (MT5) with A = K, then K dz = b + H r,  z += dz;  x+ = z
  *
- * That is exact but for rounding, which the next step sees in b and mends. Bodies that contact
+ * That is exact up to rounding, which the next step sees in b and mends. Bodies that contact
  * alone holds have a singular K, and contact over whole surfaces a large W: the reduction is on K
  * then, and (MT3) to (MT5) and dz are those of dls_reduction_solve.
  *

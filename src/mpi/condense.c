@@ -314,7 +314,7 @@ static dls_status condenser_limit(const dlsi_condenser *work, const dlsi_spread 
   (void)MPI_Allreduce(MPI_IN_PLACE, &foreseen, 1, MPI_DOUBLE, MPI_MAX, work->grid->all);
   if (foreseen <= memory_limit) return DLS_OK;
   return dlsi_fail(error, DLS_E_MEMORY, "", -1, foreseen,
-                   "%.3g GB are foreseen on a rank, memory_limit is %.3g GB", 1e-9 * foreseen,
+                   "%.3g GB are expected on a rank, memory_limit is %.3g GB", 1e-9 * foreseen,
                    1e-9 * memory_limit);
 }
 

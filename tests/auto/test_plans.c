@@ -294,7 +294,7 @@ START_TEST(limits_of_the_caller) {
 }
 END_TEST
 
-/* Candidate 7 cannot be pushed up. A plan proves it, too, and hands out the proof. */
+/* Candidate 7 cannot be pushed up. A plan proves it, too, and returns the proof. */
 START_TEST(proofs) {
   dls_contact p = hard();
   const int row = 2 * 7;
@@ -397,7 +397,7 @@ START_TEST(in_words) {
   ck_assert_ptr_nonnull(strstr(text, "s of CPU"));
   ck_assert_int_eq(info.stage[0].reason, DLS_REASON_COSTLIER);
   ck_assert_ptr_nonnull(strstr(text, "the next step (")); /* and the forecast */
-  ck_assert(strstr(text, " more sweeps foreseen, ") || strstr(text, "no end foreseen, "));
+  ck_assert(strstr(text, " more sweeps expected, ") || strstr(text, "no end expected, "));
   ck_assert_uint_eq(dls_explain(&info, cut, sizeof cut), length);
   ck_assert_int_eq(strncmp(cut, text, sizeof cut - 1), 0);
   ck_assert_uint_eq(strlen(cut), sizeof cut - 1);

@@ -116,7 +116,7 @@ START_TEST(answers_of_a_path) {
 END_TEST
 
 /* Where the load jumps, a warm start costs no more than a cold one: sweeps have to sort the states
- * anew. */
+ * again. */
 START_TEST(loads_that_jump) {
   steps_make(.5, .3, .3);
   dls_solver *cold = steps_solver(0, 0), *warm = steps_solver(1, 0);

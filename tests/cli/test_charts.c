@@ -151,7 +151,7 @@ START_TEST(info_maps_what_reactions_depend_on) {
                    "candidate,by,rn_qn,rn_qt,rt_qn,rt_qt\n0,0,1,0,0.5,0\n");
   ck_assert_str_eq(contents("friction.csv"),
                    "candidate,state,r_n,r_t,dr_n_dmu,dr_t_dmu\n0,1,1,0.5,0,1\n");
-  ck_assert_int_eq(run("info data/failures/c05-hyperstatic.txt --sensitivity -o @"), 2);
+  ck_assert_int_eq(run("info data/failures/c05-hyperstatic.txt --sensitivity -o @/b"), 2);
   ck_assert(shows("no derivative"));
 }
 END_TEST
@@ -273,9 +273,9 @@ START_TEST(map_of_bodies_that_move) {
   ck_assert_int_eq(count_of(csv, ",40,"), 2); /* the scene's own steps */
   ck_assert_int_eq(count_of(contents("map.dat"), "proved none"), 6);
   ck_assert_int_eq(count_of(contents("map.gp"), "set xlabel 'steps of the whole time, 2'"), 1);
-  ck_assert_int_eq(run("map bar-impact --against mesh --rows 1 --mu 0:1 -m nlgs -o @"), 0);
-  ck_assert_int_eq(count_of(contents("map.csv"), ",100,solved,"), 1);
-  ck_assert_int_eq(run("map block-drop --rows 1 --mu 0.1:1 --limit 10 -o @"), 0);
+  ck_assert_int_eq(run("map bar-impact --against mesh --rows 1 --mu 0:1 -m nlgs -o @/m"), 0);
+  ck_assert_int_eq(count_of(contents("m/map.csv"), ",100,solved,"), 1);
+  ck_assert_int_eq(run("map block-drop --rows 1 --mu 0.1:1 --limit 10 -o @/b"), 0);
 }
 END_TEST
 
@@ -283,7 +283,7 @@ END_TEST
 START_TEST(lcps_are_skipped) {
   static const char *const calls[] = {"chart -r 1 %s -o @", "map %s -o @", "profile -r 1 %s -o @",
                                       "map --rows 2 %s jean-fig4 -o @",
-                                      "profile -r 1 %s jean-fig4 -o @"};
+                                      "profile -r 1 %s jean-fig4 -o @/p"};
   char arguments[200];
   for (int k = 0; k < 5; k++) {
     (void)snprintf(arguments, sizeof arguments, calls[k], "data/failures/l01-cycling.txt");
@@ -365,6 +365,31 @@ START_TEST(solve_plots_its_history) {
 }
 END_TEST
 
+/* Without --out the files go into a new folder under TMPDIR, which is printed. */
+START_TEST(a_new_folder_each_time) {
+  static const char *const calls[] = {"chart jean-fig4 -r 1 -b 0.1", "map jean-fig4 --rows 1",
+                                      "profile jean-fig4 -r 1 -b 0.1",
+                                      "profile jean-fig4 -r 1 -b 0.1"};
+  static const char *const files[] = {"chart.csv", "map.csv", "profile.csv", "profile.csv"};
+  char folder[4][100], path[150];
+  ck_assert_int_eq(setenv("TMPDIR", directory, 1), 0);
+  for (int k = 0; k < 4; k++) {
+    ck_assert_int_eq(run(calls[k]), 0);
+    const char *at = strstr(output, "\nfiles: ");
+    ck_assert_msg(at != NULL, "%s: %s", calls[k], output);
+    ck_assert_int_eq(sscanf(at, "\nfiles: %99s", folder[k]), 1);
+    ck_assert_int_eq(strncmp(folder[k], directory, strlen(directory)), 0);
+    (void)snprintf(path, sizeof path, "%s/%s", folder[k] + strlen(directory) + 1, files[k]);
+    ck_assert_int_ge(count_of(contents(path), "\n"), 2);
+    for (int j = 0; j < k; j++)
+      ck_assert_str_ne(folder[j], folder[k]);
+  }
+  ck_assert_int_eq(run("profile /no/such.hdf5"), 2); /* and leaves no empty one */
+  (void)snprintf(path, sizeof path, "test $(ls %s | wc -l) = 4", directory);
+  ck_assert_int_eq(system(path), 0);
+}
+END_TEST
+
 START_TEST(wrong_use_is_2) {
   static const char *const wrong[] = {"chart",
                                       "chart a b",
@@ -409,5 +434,5 @@ int main(void) {
              ONCE(map_of_a_scene_in_steps), ONCE(map_of_meshes_that_fold),
              ONCE(map_of_bodies_that_move), ONCE(lcps_are_skipped), ONCE(interrupted_map_is_drawn),
              ONCE(profile_counts), ONCE(portfolio_counts), ONCE(solve_plots_its_history),
-             ONCE(wrong_use_is_2));
+             ONCE(a_new_folder_each_time), ONCE(wrong_use_is_2));
 }

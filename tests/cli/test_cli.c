@@ -306,17 +306,19 @@ START_TEST(no_solution_likely_is_1) {
   ck_assert(prints(" augmentations, residual "));
   ck_assert_int_eq(run("solve --json @/jam.hdf5"), 1);
   ck_assert(prints("\"no_solution_likely\""));
-  ck_assert(prints("\"verdict\": \"no solution likely\",\n  \"next\": \"The reactions run away "));
+  ck_assert(prints(
+      "\"verdict\": \"no solution likely\",\n  \"next\": \"The reactions grow without bound "));
   ck_assert(!prints("\"ray\""));
   ck_assert_int_eq(run("solve --json @/jam.hdf5 -m augmented-lagrangian"), 1);
   ck_assert(prints("\"stalled\""));
   ck_assert_int_eq(run("solve --proof @/jam.hdf5"), 1);
-  ck_assert(prints("  no solution likely. The reactions run away ") && prints("  ray:\n    0: "));
+  ck_assert(prints("  no solution likely. The reactions grow without bound ") &&
+            prints("  ray:\n    0: "));
   ck_assert_int_eq(run("solve -p -m lemke @/jam.hdf5"), 1);
   ck_assert(prints("lemke: secondary ray") && prints("  ray:\n    0: "));
-  ck_assert(prints("  ray: this form of the problem says nothing. There may be a solution: "));
+  ck_assert(prints("  ray: Lemke's method stopped without an answer. A solution may or "));
   ck_assert_int_eq(run("solve -pj -m lemke @/jam.hdf5"), 1);
-  ck_assert(prints("\"verdict\": \"ray: this form of the problem says nothing\""));
+  ck_assert(prints("\"verdict\": \"ray: Lemke's method stopped without an answer\""));
   ck_assert(prints("\"ray\": [") && !prints("\"farkas"));
 }
 END_TEST
@@ -332,7 +334,7 @@ START_TEST(proofs_are_printed) {
   (void)snprintf(path, sizeof path, "%s/walls.hdf5", directory);
   ck_assert_int_eq(dls_fclib_write_local(path, &p, "", NULL, NULL, NULL), DLS_OK);
   ck_assert_int_eq(run("solve -m lemke @/walls.hdf5"), 1);
-  ck_assert(prints("  no solution (proved). No reactions keep all candidates apart: "));
+  ck_assert(prints("  no solution (proved). No reactions keep all contacts apart. "));
   ck_assert(!prints("proof v:"));
   ck_assert_int_eq(run("solve -m lemke --proof @/walls.hdf5"), 1);
   ck_assert(prints("  proof v:\n    0: 1\n    1: 1\n"));
@@ -341,26 +343,26 @@ START_TEST(proofs_are_printed) {
   W[10] = 1 + 0x1p-48;
   ck_assert_int_eq(dls_fclib_write_local(path, &p, "", NULL, NULL, NULL), DLS_OK);
   ck_assert_int_eq(run("solve -m lemke --proof @/walls.hdf5"), 1);
-  ck_assert(prints("  ray (to rounding). But for rounding there is no solution, "));
-  ck_assert(prints("  v, a proof but for rounding:\n    0: ") && !prints("proved"));
+  ck_assert(prints("  ray (to rounding). Up to rounding there is no solution, "));
+  ck_assert(prints("  v, a proof up to rounding:\n    0: ") && !prints("proved"));
   ck_assert_int_eq(run("solve -m lemke --proof --json @/walls.hdf5"), 1);
   ck_assert(prints("\"ray (to rounding)\"") && prints("\"farkas_to_rounding\": ["));
   /* LCPs: no solution; a true ray, l12 of data/failures; rows that add up to e */
   write_text("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n-1\n");
   write_text("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n1\n-1\n-1\n1\n");
   ck_assert_int_eq(run("solve --lcp -p @/M.mtx @/q.mtx"), 1);
-  ck_assert(prints("  no solution (proved). No z >= 0 has M z + q >= 0: "));
+  ck_assert(prints("  no solution (proved). No z >= 0 has M z + q >= 0. "));
   ck_assert(prints("  proof v:\n    0: 1\n    1: 1\n"));
   ck_assert_int_eq(run("solve --lcp -j -p @/M.mtx @/q.mtx"), 1);
   ck_assert(prints("\"no_solution\"") && prints("\"farkas\": [1, 1]"));
   write_text("M.mtx",
              "%%MatrixMarket matrix array real general\n2 2\n1\n-1\n-1\n1.00000000000001\n");
   ck_assert_int_eq(run("solve --lcp -p @/M.mtx @/q.mtx"), 1);
-  ck_assert(prints("  ray (to rounding). ") && prints("  v, a proof but for rounding:\n    0: "));
+  ck_assert(prints("  ray (to rounding). ") && prints("  v, a proof up to rounding:\n    0: "));
   write_text("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n-1\n1\n0\n-1\n");
   write_text("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n-1\n");
   ck_assert_int_eq(run("solve --lcp -p @/M.mtx @/q.mtx"), 1);
-  ck_assert(prints("  ray: this form of the problem says nothing. ") && prints("  ray:\n    "));
+  ck_assert(prints("  ray: Lemke's method stopped without an answer. ") && prints("  ray:\n    "));
 }
 END_TEST
 
@@ -447,14 +449,15 @@ START_TEST(the_sweeps_as_printed) {
   static const int IS[] = {62, 85, 42, 146}, column[] = {0, 3, 4, 5, 6, 8, 9};
   int numbers = 0, rounded = 0;
   for (int t = 0; t < 4; t++) {
-    char command[128], path[128];
-    (void)snprintf(command, sizeof command, "scene jean-fig%d --method jean%s --json -o @",
-                   3 + t / 2, t % 2 ? " -w" : "");
+    char command[128], path[128], name[32];
+    (void)snprintf(command, sizeof command, "scene jean-fig%d --method jean%s --json -o @/%d",
+                   3 + t / 2, t % 2 ? " -w" : "", t);
     ck_assert_int_eq(run(command), 1); /* 1e-4 is not what the certificate asks */
     ck_assert(prints("\"method\": \"jean\""));
     ck_assert_int_eq((int)json_number("iterations"), IS[t]);
     static char ours[100000];
-    const char *at = strchr(read_text("contact.csv", ours, sizeof ours), '\n') + 1;
+    (void)snprintf(name, sizeof name, "%d/contact.csv", t);
+    const char *at = strchr(read_text(name, ours, sizeof ours), '\n') + 1;
     (void)snprintf(path, sizeof path, "data/jean-1988/fig%d_%s.csv", 3 + t / 2,
                    t % 2 ? "weighted" : "concentrated");
     FILE *file = fopen(path, "r");
@@ -674,26 +677,52 @@ END_TEST
 
 /* A scene that a full disk stops leaves the files of before. */
 START_TEST(a_full_disk_keeps_old_files) {
-  static const char *const lines[] = {"scene jean-fig3 --mesh 4x4 --out @",
-                                      "scene bar-impact --mesh 6x1 --steps 6 --out @"};
-  static const char *const names[] = {"contact.csv", "contact.csv"};
-  char text[100], command[400];
+  static const char *const lines[] = {"scene jean-fig3 --mesh 4x4 --out ",
+                                      "scene bar-impact --mesh 6x1 --steps 6 --out "};
+  static const char *const folders[] = {"a", "b"};
+  char text[100], command[400], name[40];
   for (int k = 0; k < 2; k++) {
-    write_text(names[k], "old\n");
+    (void)snprintf(command, sizeof command, "mkdir %s/%s", directory, folders[k]);
+    ck_assert_int_eq(system(command), 0);
+    (void)snprintf(name, sizeof name, "%s/contact.csv", folders[k]);
+    write_text(name, "old\n");
     const char *program = getenv("DELASSUS_PROGRAM");
     /* counters of a build for coverage, which the limit cuts off, go into the test's directory */
     (void)snprintf(command, sizeof command,
-                   "trap '' XFSZ; ulimit -f 1; GCOV_PREFIX=%s %s %.*s%s >/dev/null 2>&1", directory,
-                   program ? program : "build/delassus", (int)strlen(lines[k]) - 1, lines[k],
-                   directory);
+                   "trap '' XFSZ; ulimit -f 1; GCOV_PREFIX=%s %s %s%s/%s >/dev/null 2>&1",
+                   directory, program ? program : "build/delassus", lines[k], directory,
+                   folders[k]);
     const int status = system(command);
     ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == 2, "%s: %d", command, status);
-    ck_assert_str_eq(read_text(names[k], text, sizeof text), "old\n");
+    ck_assert_str_eq(read_text(name, text, sizeof text), "old\n");
   }
 }
 END_TEST
 
-/* A solve that cycles for ever ends on each signal with its history so far. */
+/* A folder belongs to the command, and to the scene, that wrote into it first. */
+START_TEST(a_folder_has_one_owner) {
+  char text[100];
+  ck_assert_int_eq(run("scene jean-fig3 --mesh 4x4 --out @/o"), 0);
+  ck_assert_int_eq(run("scene jean-fig3 --mesh 4x4 --weighted --out @/o"), 0);
+  static const char *const refused[] = {"scene jean-fig4 --mesh 4x4 --out @/o",
+                                        "scene bar-impact --mesh 6x1 --steps 6 --out @/o",
+                                        "scene indentation --mesh 6x4 --steps 2 --out @/o",
+                                        "converge bar-impact --from 3 --meshes 2 --out @/o",
+                                        "chart jean-fig3 -r 1 -b 0.1 --out @/o",
+                                        "map jean-fig3 --rows 1 --out @/o",
+                                        "map jean-fig3 --against rank --rows 1 --out @/o",
+                                        "profile jean-fig3 -r 1 -b 0.1 --out @/o",
+                                        "solve data/failures/c20-scales.txt --csv @/o",
+                                        "solve data/failures/c20-scales.txt --plot @/o"};
+  for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+    ck_assert_msg(run(refused[k]) == 2, "%s: %s", refused[k], output);
+    ck_assert_msg(prints("holds the files of 'delassus scene jean-fig3'"), "%s", output);
+  }
+  ck_assert_str_eq(read_text("o/made-by.txt", text, sizeof text), "delassus scene jean-fig3\n");
+}
+END_TEST
+
+/* A solve that cycles without end ends on each signal with its history so far. */
 START_TEST(signals_end_a_solve) {
   static const char *const signals[] = {"INT", "TERM", "HUP", "XCPU"};
   char text[2000], command[600];
@@ -807,9 +836,9 @@ int main(void) {
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
              ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
              ONCE(files_carry_their_status), ONCE(empty_names_are_2),
-             ONCE(a_full_disk_keeps_old_files), EACH(signals_end_a_solve, 0, 4),
-             ONCE(threads_have_limits), ONCE(lcp_files), ONCE(text_problems),
-             ONCE(plans_and_explanations), ONCE(proofs), ONCE(history_of_a_solve),
-             ONCE(info_lists_all_solutions), ONCE(info_says_what_it_found),
-             ONCE(info_names_degenerate_contacts));
+             ONCE(a_full_disk_keeps_old_files), ONCE(a_folder_has_one_owner),
+             EACH(signals_end_a_solve, 0, 4), ONCE(threads_have_limits), ONCE(lcp_files),
+             ONCE(text_problems), ONCE(plans_and_explanations), ONCE(proofs),
+             ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
+             ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }

@@ -158,7 +158,7 @@ START_TEST(reading_ends_at_once) {
 }
 END_TEST
 
-/* OpenBLAS looks for ever for memory that is not there: the program ends at once. */
+/* OpenBLAS looks without end for memory that is not there: the program ends at once. */
 START_TEST(little_address_space) {
 #ifdef __SANITIZE_ADDRESS__
   return; /* takes terabytes of it */

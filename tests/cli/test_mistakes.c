@@ -96,12 +96,12 @@ static const struct {
      "hint: H_T: the tangent of contact 0 is not perpendicular to its normal"},
     {POINT "--mu .2 --g -0.1", 0, "hint: --g: all gaps are negative (the least -0.1)"},
     {"solve --stiffness=@/K.txt --HN=@/N.txt --HT=@/T.txt --f=@/up.txt --mu .2", 0,
-     "hint: nothing presses though other unknowns are loaded"},
+     "hint: nothing presses although unknowns are loaded"},
     {"solve --stiffness=@/straight.txt --HN=@/N.txt --HT=@/T.txt --f=@/left.txt --mu .2", 0,
-     "have H_N and H_T been exchanged?"},
+     "are H_N and H_T exchanged?"},
     {"solve --stiffness=@/K3.txt --HN=@/T3.txt --HT=@/N3.txt --mu .2", 2,
-     "have --HN and --HT been exchanged?"},
-    {"scene jean-fig3 --young 1e3", 0, "is beyond the size of the body, 0.004: look at the units"},
+     "are --HN and --HT exchanged?"},
+    {"scene jean-fig3 --young 1e3", 0, "exceeds the size of the body, 0.004: check the units"},
 };
 enum { MISTAKES = sizeof mistakes / sizeof mistakes[0] };
 

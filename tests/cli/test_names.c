@@ -229,17 +229,17 @@ static void expect_files(const char *const *arguments, const char *picture, cons
 }
 
 static void expect_all_drawn(char names[most_names][name_room]) {
-  const char *map[most_names + 3] = {"map", "--out=o"},
-                               *profile[most_names + 3] = {"profile", "--out=o"};
+  const char *map[most_names + 3] = {"map", "--out=m"},
+                               *profile[most_names + 3] = {"profile", "--out=p"};
   for (int k = 0; k < most_names; k++) {
     make_problem(names[k]);
     map[k + 2] = profile[k + 2] = names[k];
   }
   profile[3] = NULL; /* a problem costs a tenth of a second */
-  expect_files(map, "o/map.svg", "o/map.csv");
-  expect_files(profile, "o/profile.svg", "o/profile.csv");
-  const char *const chart[] = {"chart", "--budget=0.1", "--out=o", names[0], NULL};
-  expect_files(chart, "o/chart.svg", "o/chart.csv");
+  expect_files(map, "m/map.svg", "m/map.csv");
+  expect_files(profile, "p/profile.svg", "p/profile.csv");
+  const char *const chart[] = {"chart", "--budget=0.1", "--out=c", names[0], NULL};
+  expect_files(chart, "c/chart.svg", "c/chart.csv");
   const char *const solve[] = {"solve", "-q", names[1], "--plot=o", NULL};
   expect_files(solve, "o/history.svg", "o/history.csv");
 }

@@ -253,7 +253,7 @@ START_TEST(no_solution_of_two_together) {
 }
 END_TEST
 
-/* W_nn = (1 -h; -h h^2) for h = 1 / 5, rounded up in h^2: u_n0 h + u_n1 = -h, but for rounding, so
+/* W_nn = (1 -h; -h h^2) for h = 1 / 5, rounded up in h^2: u_n0 h + u_n1 = -h, up to rounding, so
  * that what is no solution to rounding is one beyond 1e15, and is not refuted. */
 START_TEST(no_solution_but_for_rounding) {
   const double h = 0.2;

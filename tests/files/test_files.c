@@ -738,7 +738,7 @@ END_TEST
 
 typedef enum action { DELETE, INTS, LONGS, REALS, FLOATS, TEXT, UNWRITTEN } action;
 
-/* In file `path`: data set `name`, if there, deleted, and made anew from v */
+/* In file `path`: data set `name`, if there, deleted, and made again from v */
 static void patch(const char *name, action what, size_t count, const double *v) {
   const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
   const hid_t link = H5Pcreate(H5P_LINK_CREATE);
@@ -831,8 +831,8 @@ static const char *other_file(void) {
   return name;
 }
 
-/* Makes data set `name` of file `path` anew: `count` integers of `size` bytes, in chunks (0: in one
- * piece), deflated, or in another file. */
+/* Makes data set `name` of file `path` again: `count` integers of `size` bytes, in chunks (0: in
+ * one piece), deflated, or in another file. */
 static void patch_odd(const char *name, size_t count, size_t size, size_t chunk, int outside) {
   const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
   const hid_t create = H5Pcreate(H5P_DATASET_CREATE), type = H5Tcopy(H5T_STD_I32LE);

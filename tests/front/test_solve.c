@@ -836,7 +836,7 @@ static dls_contact permuted(const dls_contact *p, const int *at, planted_problem
 }
 
 /* Candidates in another order, W dense and by blocks: the same stages. Of sweeps alone the same
- * bits; of full rank, the same certificate but for rounding. */
+ * bits; of full rank, the same certificate up to rounding. */
 START_TEST(auto_does_not_see_the_order) {
   static planted_problem a, b;
   static double x[9 * PLANTED * PLANTED];

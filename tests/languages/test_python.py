@@ -948,7 +948,7 @@ class Library(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(os.path.dirname(_library.__file__), "py.typed")))
 
     def test_script_of_the_readme(self):
-        with open("src/python/README.md") as readme, open("examples/sheet.py") as example:
+        with open("docs/python.md") as readme, open("examples/sheet.py") as example:
             script = readme.read().split("```python\n")[1].split("```")[0]
             self.assertTrue(example.read().endswith(script))
         self.assertEqual(len([line for line in script.splitlines() if line]), 15)
@@ -961,7 +961,7 @@ class Library(unittest.TestCase):
             text = document.read()
         scipy_block, h5py_block = [part.split("```")[0] for part in text.split("```python\n")[1:]]
         command = next(line.split()[1:] for line in text.split(scipy_block)[1].splitlines()
-                       if line.startswith("    delassus solve"))
+                       if line.startswith("delassus solve"))
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as directory:
             os.chdir(directory)

@@ -982,7 +982,7 @@ START_TEST(limit_on_the_path) {
 }
 END_TEST
 
-/* From the basis of the answer, M = I, q = (-1, x), there is no pivot where b = (1, x) is 0 but for
+/* From the basis of the answer, M = I, q = (-1, x), there is no pivot where b = (1, x) is 0 up to
  * rounding, or larger. */
 START_TEST(warm_start_on_the_border) {
   static const double M[4] = {1, 0, 0, 1}, last[] = {0, -1e-14, 1e-14, 1, -1e-8};

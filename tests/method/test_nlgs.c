@@ -64,7 +64,7 @@ START_TEST(one_jammed_candidate_stalls) {
 }
 END_TEST
 
-/* C11: W SPD, one solution, and yet the sweeps repeat for ever */
+/* C11: W SPD, one solution, and yet the sweeps repeat without end */
 START_TEST(cycle) {
   static model a;
   set_hand(&a, hand_named("C11"));

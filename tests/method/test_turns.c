@@ -69,7 +69,7 @@ START_TEST(slow_ways_are_compared) {
 }
 END_TEST
 
-/* A way alone goes on for ever. */
+/* A way alone goes on without end. */
 START_TEST(one_way_has_no_other) {
   const double rate[] = {1, 0, 0};
   int way[dlsi_most_ways];

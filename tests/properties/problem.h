@@ -22,7 +22,7 @@ typedef struct problem {
   int d, nc, m; /* m = d nc */
   kind kind;
   int exact;                 /* SOLVABLE: q = u - W r and the law hold without rounding */
-  int symmetric;             /* W is symmetric and positive semidefinite but for rounding */
+  int symmetric;             /* W is symmetric and positive semidefinite up to rounding */
   double *W;                 /* m x m, column-major, leading dimension m; owned */
   double q[M_MAX];           /* m */
   double mu[NC_MAX];         /* nc; INFINITY: bonded */

@@ -20,7 +20,7 @@ typedef struct reducer {
   double until;
 } reducer;
 
-/* Returns 1 if the symmetric W is positive semidefinite but for rounding: Cholesky, largest pivot
+/* Returns 1 if the symmetric W is positive semidefinite up to rounding: Cholesky, largest pivot
  * first. a: scratch, m x m. */
 static int is_semidefinite_in(const problem *p, long double *a) {
   const int m = p->m;

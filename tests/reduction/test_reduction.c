@@ -1374,7 +1374,7 @@ START_TEST(no_load_no_imbalance) {
 }
 END_TEST
 
-/* A load starts the feet anew: what is between the stretches of two loads teaches nothing. f + H r
+/* A load starts the feet again: what is between the stretches of two loads teaches nothing. f + H r
  * is (4, -4) and x ten times that, then half of it. */
 START_TEST(loads_do_not_teach) {
   dls_reduction *R = new_points();

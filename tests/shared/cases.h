@@ -35,7 +35,7 @@ void gram_and_skew(int m, double (*draw)(void), double shift, double skew, doubl
 /* W = A A^T / m + I / 10; q_n mostly < 0 */
 void random_model(model *a, int d, int nc, double mu);
 /* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; from `normal_models` on d = 1;
- * starts the random numbers anew */
+ * starts the random numbers again */
 enum { normal_models = 1000 };
 void numbered_model(model *a, int i);
 /* W = B B^T of half rank, with a solution of free, slipping and sticking candidates; mu = 0.3 */
@@ -99,7 +99,7 @@ struct tested_solver {
   const char *name;      /* of its functions: "dls_nlgs" */
   const char *workspace; /* how its errors call the workspace */
   dls_method method;
-  int restarts; /* 1: from the answer it does its work again, to the same answer but for rounding */
+  int restarts; /* 1: from the answer it does its work again, to the same answer up to rounding */
   double tol;   /* the smallest it reaches: 0, but 1e-4 of the penalty method */
   size_t settings_size;
   void (*init)(const tested_solver *self, void *settings, double tol, int warm_start);

@@ -1,4 +1,4 @@
-/* reduced.h: what a reduction hands out, and its memory. */
+/* reduced.h: what a reduction returns, and its memory. */
 #ifndef REDUCED_H
 #define REDUCED_H
 

@@ -279,7 +279,7 @@ static void solve_primal(fuzz_bytes *b, const dls_model *model, const double *f,
   dls_primal_destroy(work);
 }
 
-/* Loads a reduction and asks for all that it hands out. */
+/* Loads a reduction and asks for all that it returns. */
 static void look_at_reduction(fuzz_bytes *b, dls_reduction *reduction, const dls_model *model) {
   double f[most_n], g[3 * most_n], mu[most_n], x[most_n], r[3 * most_n] = {0}, nodal[3 * most_n];
   double imbalance;
@@ -438,7 +438,7 @@ static void move_scene(fuzz_bytes *b) {
   dls_moving_destroy(moving);
 }
 
-/* Asks for all that a motion hands out, and changes its step and limits. */
+/* Asks for all that a motion returns, and changes its step and limits. */
 static void look_at_motion(dls_motion *motion, fuzz_bytes *b) {
   dls_motion_state state;
   dls_motion_energies energies;

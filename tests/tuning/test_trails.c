@@ -10,7 +10,7 @@
  *
  * It counts them, with all costs before and after, and fails on worse. The cost of a run: that of
  * its iterations in sweeps by the one model of auto (src/auto/price.c), as if all candidates stuck;
- * other prices need the file anew.
+ * other prices need the file again.
  *
  *   build/tests/tuning/test_trails print
  *
