@@ -51,7 +51,7 @@ private:
   dls_error details;
 };
 
-/* Calls f(&error), throws what is below 0, returns the status. */
+/* Calls f(&error), throws a status below 0, returns the status. */
 template <class F> dls_status call(F &&f) {
   dls_error e = {};
   const dls_status status = f(&e);
@@ -125,7 +125,7 @@ struct answer {
   }
 };
 
-/* Is called now and then during a solve; returns true to cancel it. */
+/* Called repeatedly during a solve; returns true to cancel it. */
 using progress = std::function<bool(const dls_progress &)>;
 
 /* A sparse matrix by columns that owns its arrays. */
@@ -153,7 +153,7 @@ inline dls_contact contact(int d, const std::vector<double> &W, const std::vecto
   return problem;
 }
 
-/* The certificate of r (m); u, where it is wanted, receives W r + q. */
+/* The certificate of r (m); u, if not NULL, receives W r + q. */
 inline dls_certificate certify(const dls_contact &problem, const std::vector<double> &r,
                                std::vector<double> *u = nullptr) {
   dls_certificate certificate = {};
@@ -323,7 +323,7 @@ public:
     call([&](dls_error *e) { return dls_reduction_recover(work.get(), R, x.data(), e); });
     return x;
   }
-  /* solves, and says solved of the body: dls_reduction_solve. x receives the unknowns */
+  /* solves, with the certificate of the body: dls_reduction_solve. x receives the unknowns */
   answer solve(const std::vector<double> &mu, std::vector<double> *x, settings s = settings(),
                const std::vector<double> &start = {}, const progress &look = nullptr) {
     const double *MU = detail::pointer(mu, candidates, "solve", "mu", true);

@@ -8,8 +8,7 @@
 static void info_usage(FILE *out) {
   fputs(
       "Usage: delassus info [OPTION]... FILE\n"
-      "Prints facts about a contact problem (FCLIB, HDF5; local, or global after its reduction; or "
-      "text):\n"
+      "Prints facts about a contact problem (FCLIB, local or global, or text):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
       "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"

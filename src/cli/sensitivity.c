@@ -304,7 +304,8 @@ int show_sensitivity(const char *name, const dls_contact *contact, const double 
     (void)complain_of(name, &error);
   else {
     fill_map(&of);
-    if (make_directory(directory)) result = draw_sensitivity(&of, name, directory);
+    directory = take_folder(directory, "info", name);
+    if (directory) result = draw_sensitivity(&of, name, directory);
     if (result == EXIT_SOLVED && text) print_sensitivity(&of, directory);
   }
   free(of.u);

@@ -239,8 +239,8 @@ for _name, (_result, _arguments) in _SIGNATURES.items():
 
 class Error(Exception):
     """A status below 0: nothing was computed. status, name ("DLS_E_SIZE"), function, argument,
-    index and value say more. What is raised is one of the classes below, which are errors of
-    Python's own kinds, too."""
+    index and value have the details. The classes below are raised; each is also one of Python's
+    own errors."""
 
     status: int
     name: str
@@ -267,19 +267,19 @@ class InputError(Error, ValueError):
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """The library got no memory, or the memory_limit does not suffice."""
+    """There is no memory, or the estimate exceeds memory_limit."""
 
 
 class SingularError(Error, np.linalg.LinAlgError):
-    """K is singular, or not positive definite where Cholesky was asked for."""
+    """K is singular, or not positive definite with Cholesky."""
 
 
 class UnsupportedError(Error, NotImplementedError):
-    """This build, or this kind of problem, cannot do that."""
+    """Not in this build, or not for this kind of problem."""
 
 
 class StateError(Error, RuntimeError):
-    """A callback failed, or another call is at work on the object."""
+    """A callback failed, or another call is using the object."""
 
 
 class NoDerivativeError(Error, ArithmeticError):

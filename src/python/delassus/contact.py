@@ -23,7 +23,7 @@ Operator = Union[Matrix, Tuple[Array, Array]]
 
 
 class Progress(NamedTuple):
-    """What a progress function receives."""
+    """The argument of a progress function."""
 
     method: str
     stage: str
@@ -75,13 +75,13 @@ def _certificate(c: Any) -> Certificate:
 
 
 class Proof(NamedTuple):
-    """What dls_contact_prove shows of an answer (delassus/trust.h).
+    """A proof of an answer by dls_contact_prove (delassus/trust.h).
 
     proved            "reactions": one solution within radius |improved|; "positions": u is proved
                       and `freedom` reactions are free; None: not proved
     radius, radius_u  relative bounds on the errors of `improved` and of its positions
     error             of r itself
-    border            (contact, its state, the other one) on the border of two states, or None
+    border            (contact, its state, the other state) if one is on the border of two, or None
     improved          r after Newton steps to rounding, nc x d
     """
 
@@ -101,12 +101,12 @@ class Solution:
     """The outcome of a solve.
 
     r, u         reactions and local positions, nc x d, each row (n, t) or (n, t, s)
-    x            unknowns of the host, where a reduction or a motion solved; else None
+    x            unknowns of the host, if a reduction or a motion solved; else None
     states       "free", "slip" or "stick" of each candidate
     solved       True: certified to tol
     status, words   number (DLS_...) and words of the outcome; above 0, r is the best answer found
-    residual, certificate   of r; where a reduction solved, of the body: equilibrium is a part
-    error        predicted relative error of r where that was looked at, else None
+    residual, certificate   of r; if a reduction solved, of the body, with its equilibrium
+    error        predicted relative error of r, or None
     iterations, method, stages, unique, ambiguous   as in delassus/info.h
     regime       of auto, the kind of the problem: "elastic", "packing", ...
     explain()    what auto did and why, in words
@@ -115,8 +115,8 @@ class Solution:
                  sum on each body is determined, single reactions are not; None where a reduction or
                  a motion solved
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
-    proof        a Proof of r, made when it is first asked for, of the arrays as they are then; None
-                 where a reduction or a motion solved
+    proof        a Proof of r, computed at its first use from the arrays as they are then; None
+                 if a reduction or a motion solved
     vjp(), jvp() derivatives, of the arrays as they are at the first call
     """
 
@@ -200,19 +200,19 @@ class Solution:
 
     def vjp(self, r: Array | None = None, u: Array | None = None, x: Array | None = None, *,
             side: int | None = None) -> Gradient:
-        """Returns the Gradient, dL/d(data), of a loss L with dL/dr = r, dL/du = u and, where a
-        reduction solved, dL/dx = x. The first call factors a matrix, the next ones solve with it.
+        """Returns the Gradient, dL/d(data), of a loss L with dL/dr = r, dL/du = u and, if a
+        reduction solved, dL/dx = x. The first call factorises a matrix, later ones solve with it.
 
-        A NoDerivativeError says that a contact is on the border of two states, where the solution
-        has a kink (side=0: the derivative of the higher state, stick rather than slip, closed
-        rather than free; side=1: of the lower one), or that r is not determined."""
+        NoDerivativeError: a contact is on the border of two states, where the solution has a kink,
+        or r is not determined. On a border side=0 takes the derivative of the higher state (stick
+        rather than slip, closed rather than free), side=1 that of the lower one."""
         return self._derivative(side).vjp(r, u, x)
 
     def jvp(self, q: Array | None = None, mu: Array | None = None, W: Change | None = None,
             f: Array | None = None, g: Array | None = None, K: Matrix | None = None, *,
             side: int | None = None) -> Moved:
-        """Returns how r, u (and x) change with the data: q, mu and W, or f, g, mu and K where a
-        reduction solved; None: not at all. As vjp."""
+        """Returns the change of r, u (and x) for a change of the data: q, mu and W, or f, g, mu and
+        K if a reduction solved; None: no change. side and errors as in vjp."""
         return self._derivative(side).jvp(q, mu, W, f, g, K)
 
     def __repr__(self) -> str:
@@ -221,8 +221,8 @@ class Solution:
 
 
     def explain(self) -> str:
-        """Returns what auto did, by lines: the regime, and each step with its iterations, why it
-        ended, and, with timed=True, a history or a callback, its CPU."""
+        """Returns a description of what auto did: the regime, and a line for each step with its
+        iterations, why it ended and, with timed=True, a history or a callback, its CPU time."""
         info = structs["dls_info"].from_buffer_copy(self._info)
         text = ctypes.create_string_buffer(lib.dls_explain(byref(info), None, 0) + 1)
         lib.dls_explain(byref(info), text, len(text))

@@ -17,14 +17,14 @@ _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DL
 
 
 class Motion(Owner):
-    """Bodies M v' + C v + K x = f + H p/h with contact, as delassus/motion.h has them.
+    """Bodies M v' + C v + K x = f + H p/h with contact (delassus/motion.h).
 
     Motion(K, HN, HT, M=M, h=1e-3)           impacts; restitution, activation, theta: see motion.h
     Motion(K, HN, HT, M=M, h=h, law="gap", theta=1)
     Motion(K, HN, HT, law="path")            equilibria, one after the other
 
-    step(f, y, mu) takes a step and returns the Solution of its contact problem, or None where no
-    candidate was closed. The state after the last certified step: t, steps, x, v (n), p, u
+    step(f, y, mu) takes a step and returns the Solution of its contact problem, or None if no
+    contact was closed. The state after the last certified step: t, steps, x, v (n), p, u
     (candidates x d), gap, slip, states.
     """
 
@@ -73,7 +73,7 @@ class Motion(Owner):
             lib.dls_motion_destroy(self._held)
 
     def start(self, x: Array | None = None, v: Array | None = None, t: float = 0.0) -> None:
-        """Starts anew from x and v at time t."""
+        """Restarts from x and v at time t."""
         x = None if x is None else vector("x", x, self.n)
         v = None if v is None else vector("v", v, self.n)
         call("dls_motion_start", self._held, address(x), address(v), number("t", t))
@@ -101,7 +101,7 @@ class Motion(Owner):
         return solution
 
     def set_h(self, h: float) -> None:
-        """Changes the step from the next one on."""
+        """Changes the step size from the next step on."""
         call("dls_motion_set_h", self._held, number("h", h))
 
     def _state(self) -> Any:
@@ -162,7 +162,7 @@ class Motion(Owner):
 
 
 class NotCertified(RuntimeError):
-    """A step whose contact problem was not solved: the state is that of the step before."""
+    """A step whose contact problem was not solved: the state is that of the last step."""
 
     status: int
 

@@ -22,7 +22,7 @@ Stiffness = Union[Matrix, Callable[[Vector], Any]]
 
 
 def is_symmetric(K: Any) -> bool:
-    """Tells whether K equals its transpose but for the rounding of an assembly, as the program
+    """Returns True if K equals its transpose up to the rounding of an assembly, as the program
     does (src/cli/arrays.c)."""
     K = sp.coo_matrix(K)
     size = np.sqrt(np.abs(K.diagonal()))
@@ -76,7 +76,7 @@ class _Host:
 
 
 class Reduction(Owner):
-    """K factored and W formed, or the problem on K itself; made by reduce().
+    """A factorised K with W, or the problem on K itself; made by reduce().
 
     d, n, m, candidates   sizes: m = d candidates rows of W
     W, q                  of the contact problem, read-only views of the library's arrays; not on K
@@ -173,7 +173,7 @@ class Reduction(Owner):
 
     def update(self, K: Stiffness, HN: Matrix, HT: Matrix | None = None) -> None:
         """Takes new values of K, HN, HT on the old pattern; loads become 0. After an Error for
-        other sizes or another pattern the reduction is as it was."""
+        other sizes or another pattern the reduction is unchanged."""
         model, kept, solve = self._model(K, HN, HT)
         before, self._host.solve = self._host.solve, solve
         self._loaded += 1
@@ -182,13 +182,13 @@ class Reduction(Owner):
         self._matrix = kept[0]
 
     def load(self, f: Array | None = None, g: Array | None = None) -> None:
-        """Takes loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
+        """Sets loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
         f, g = self._loads(f, g)
         self._loaded += 1
         self._call("dls_reduction_load", self._held, address(f), address(g))
 
     def load_free(self, x_free: Array | None, g: Array | None = None) -> None:
-        """Takes K^-1 f instead of f, from a host that has it."""
+        """Sets x_free = K^-1 f, which you have computed, in place of f."""
         x_free, g = self._loads(x_free, g)
         self._loaded += 1
         self._call("dls_reduction_load_free", self._held, address(x_free), address(g))
@@ -205,8 +205,8 @@ class Reduction(Owner):
               progress: Callable[[Progress], object] | None = None,
               threads: int | None = None, plan: str | None = None, without: str | None = None,
               timed: bool = False, forces: str = "any") -> Solution:
-        """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said
-        of the body (dls_reduction_solve): what springs of held modes carry is missing."""
+        """Loads f and g if one is given, and solves for r and x; options as in solve(). The
+        certificate is that of the body (dls_reduction_solve), without springs of held modes."""
         if f is not None or g is not None:
             self.load(f, g)
         problem, mu = self._contact(mu) if self.on == "W" else self._sizes(mu)
@@ -276,13 +276,14 @@ class Reduction(Owner):
         return x
 
     def nodal(self, r: Array) -> Vector:
-        """Returns P r, nodes x d: the nodal reactions that weighted r stand for."""
+        """Returns P r, nodes x d: the nodal reactions of weighted r."""
         r, R = vector("r", r, self.m, self.d), np.zeros((self._nodes, self.d))
         self._call("dls_reduction_nodal", self._held, address(r), address(R))
         return R
 
     def balance(self, r: Array) -> float:
-        """Takes what the springs of held rigid-body modes carry out of q; returns the imbalance."""
+        """Moves the springs of held rigid-body modes so that they carry less; returns the
+        imbalance."""
         r, imbalance = vector("r", r, self.m, self.d), c_double()
         self._call("dls_reduction_balance", self._held, address(r), byref(imbalance))
         return imbalance.value
@@ -299,21 +300,21 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
            factorization: str | None = None, flexibility: bool = False, d: int | None = None,
            stabilize: bool = False, memory_limit: float = 0, on: str | None = None,
            loads: int = 1) -> Reduction:
-    """Factors K and forms W = H^T K^-1 H, or takes the problem on K; returns a Reduction.
+    """Returns a Reduction: factorises K and forms W = H^T K^-1 H, or keeps the problem on K.
 
     K       n x n, numpy or scipy.sparse; or a function that returns K^-1 B for B (n x k), such as
             scipy.sparse.linalg.splu(K).solve; with flexibility=True K^-1, dense
     HN, HT  n x nodes and n x (d-1) nodes: normal and tangents of each contact node; HT None: d = 2
             without friction
     P       weighting, nodes x candidates
-    mu      friction of each candidate; where it is 0 the tangents are left out
-    active  candidates: 0 leaves one out
+    mu      friction of each contact; the tangents of contacts with 0 are left out
+    active  one for each contact: 0 leaves it out
     factorization   "cholesky", "ldlt", "lu"; None: lu if K is not symmetric to the last bit, else
-            cholesky, or ldlt where that meets a negative pivot
-    modes, stabilize   rigid-body motions, given or looked for: solved on K
+            cholesky, or ldlt if that finds a negative pivot
+    modes, stabilize   rigid-body motions, given or found: solved on K
     on      "W": few contacts, any method, W and recover(); "K": contact over whole surfaces, bodies
-            that contact alone holds, solve() by method auto; None: the cheaper one for so many
-            loads, K where it is singular or W exceeds memory_limit (bytes)
+            that contact alone holds, solve() by method auto; None: the lower estimated cost for
+            `loads` solves, K if it is singular or W exceeds memory_limit (bytes)
     """
     if on not in (None, "W", "K"):
         raise ValueError(f"on is {on!r}, must be 'W', 'K' or None")

@@ -1,10 +1,10 @@
 """Contact as a layer of torch: solve(W, q, mu) and solve_body(reduction, f, g, mu) or
 solve_body(K, f, g, mu, HN=.., HT=..), differentiable in every tensor among these arguments.
 
-Tensors are taken as double precision on the CPU; results are so, too. backward() solves with the
-factors of one matrix (Solution.vjp). Where the solution has a kink it raises NoDerivativeError, or
-with side=0 or side=1 takes the derivative of one side. A solve that is not solved raises
-NotSolvedError: its derivative would be of no solution. Import fails where torch is not installed.
+Tensors are used in double precision on the CPU; so are results. backward() solves with the factors
+of one matrix (Solution.vjp). At a kink of the solution it raises NoDerivativeError, or with side=0
+or side=1 takes the derivative of one side. If the problem is not solved, NotSolvedError is raised,
+because there is no solution to differentiate. The import fails without torch.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def solve(W: Any, q: Any, mu: Any, *, side: int | None = None, **options: Any) -
 def solve_body(K: Any, f: Any, g: Any, mu: Any, *, HN: Any = None, HT: Any = None,
                side: int | None = None, **options: Any) -> Tuple[Any, Any, Any]:
     """Returns r, u (nc x d) and x (n) of a Reduction, or of reduce(K, HN, HT) for a dense tensor
-    K, symmetric or not; then every call factors K. options: of Reduction.solve. No update of the
+    K, symmetric or not; then each call factorises K. options: of Reduction.solve. No update of the
     Reduction between this call and backward()."""
     def run(K: Any, f: Any, g: Any, mu: Any) -> contact.Solution:
         body = K if isinstance(K, reduction.Reduction) else reduction.reduce(K, HN, HT)
