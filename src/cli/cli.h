@@ -472,19 +472,6 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
 
-/* ---- folder.c -------------------------------------------------------------------------------- */
-
-/* Returns the system's folder for temporary files: $TMPDIR, else /tmp. */
-const char *temporary_place(void);
-
-/* Takes a folder for the files of `delassus OF NAME` and returns its name. directory: given by
- * the user; it and its parents are created where they are missing, and made-by.txt in it names the
- * command. NULL: a new folder in temporary_place. name: NULL for a command of many names. Returns
- * NULL after a complaint: the files there belong to another command, or it cannot be written. */
-const char *take_folder(const char *directory, const char *of, const char *name);
-
-/* Removes the new folder if nothing was written into it. */
-void drop_folder(void);
 /* Copies a name without directories and ending (named.c). */
 void shorten(const char *name, char *text, size_t size);
 
@@ -498,6 +485,20 @@ enum { most_rows_of_map = 600 };
  * 1, a table on stdout. EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int show_sensitivity(const char *name, const dls_contact *contact, const double *r,
                      const char *directory, int text);
+
+/* ---- folder.c -------------------------------------------------------------------------------- */
+
+/* Returns the system's folder for temporary files: $TMPDIR, else /tmp. */
+const char *temporary_place(void);
+
+/* Takes a folder for the files of `delassus OF NAME` and returns its name. directory: given by
+ * the user; it and its parents are created where they are missing, and made-by.txt in it names the
+ * command. NULL: a new folder in temporary_place. name: NULL for a command of many names. Returns
+ * NULL after a complaint: the files there belong to another command, or it cannot be written. */
+const char *take_folder(const char *directory, const char *of, const char *name);
+
+/* Removes the new folder if nothing was written into it. */
+void drop_folder(void);
 
 /* ---- history_picture.c ----------------------------------------------------------------------- */
 

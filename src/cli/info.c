@@ -332,7 +332,8 @@ static int map_answer(const char *path, const dls_contact *contact, const char *
     return complain("--sensitivity: %s has %d rows, 1 to %d are mapped", path, m, most_rows_of_map);
   if (solve_and_prove(contact, r, &proof, &solved, &error)) return complain_of(path, &error);
   if (!solved) return complain("--sensitivity: %s: auto has no answer in a second", path);
-  return show_sensitivity(path, contact, r, out, prints_text());
+  out = take_folder(out, "info", path);
+  return out ? show_sensitivity(path, contact, r, out, prints_text()) : EXIT_BAD_INPUT;
 }
 
 static taken take_info_option(int key, const char *text, void *data) {
