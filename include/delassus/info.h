@@ -108,8 +108,8 @@ typedef enum dls_uniqueness {
   DLS_UNIQUE_NO = 2   /* a second certified answer was found */
 } dls_uniqueness;
 
-/* The reactions to return where W does not determine them: many r then have the same positions u
- * (trust.h, dls_contact_freedom). */
+/* The reactions to return if W does not determine them (trust.h, dls_contact_freedom). All have the
+ * same positions u. */
 typedef enum dls_forces {
   DLS_FORCES_ANY = 0,  /* those that the method finds; they depend on the order of the contacts */
   DLS_FORCES_LEAST = 1 /* those with the least sum of w_c |r_c|^2, w_c = trace(W_cc) / d: there is

@@ -16,8 +16,8 @@ static void info_usage(FILE *out) {
       "\n"
       "      --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
       "(2000)\n"
-      "      --sensitivity     solve, and show on which gaps and loads each reaction depends, and\n"
-      "                        how it changes with friction: a table, and a map (up to 600 rows)\n"
+      "      --sensitivity     solve, and show which gaps and loads each reaction depends on, and\n"
+      "                        how it changes with friction: a table, and a map in DIR (600 rows)\n"
       "  -o, --out=DIR         folder for the map (a new one under TMPDIR, which is "
       "printed)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
       out);
