@@ -304,8 +304,7 @@ int show_sensitivity(const char *name, const dls_contact *contact, const double 
     (void)complain_of(name, &error);
   else {
     fill_map(&of);
-    directory = take_folder(directory, "info", name);
-    if (directory) result = draw_sensitivity(&of, name, directory);
+    result = draw_sensitivity(&of, name, directory);
     if (result == EXIT_SOLVED && text) print_sensitivity(&of, directory);
   }
   free(of.u);
