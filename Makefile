@@ -171,6 +171,7 @@ help:
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
+	@echo 'make bench-least     cost of the least reactions; FCLIB=DIR'
 	@echo 'make bench-derive    cost of derivatives over that of the answer'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
@@ -510,6 +511,7 @@ $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
@@ -546,13 +548,15 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-derive bench-prove bench-steps bench-regret
+.PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret
 FCLIB ?= data/fclib
 bench-prove: $(BUILD)/bench/prove $(PROGRAM)
 	@mkdir -p $(BUILD)/jean
 	for scene in jean-fig3 jean-fig4; do for mesh in 8x4 16x8 32x16 64x32 128x64; do \
 	  $(PROGRAM) scene $$scene --mesh $$mesh -q --save $(BUILD)/jean/$$scene-$$mesh.hdf5 || exit 1; done; done
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/prove --out $(RESULTS) $(FCLIB) $(BUILD)/jean
+bench-least: $(BUILD)/bench/least
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/least --out $(RESULTS) $(FCLIB)
 bench-derive: $(BUILD)/bench/derive
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/derive --out $(RESULTS)
 bench-trust: $(BUILD)/bench/trust

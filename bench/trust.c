@@ -6,6 +6,9 @@
  * 1e-5, 1e-6 and 1e-8. Predicted: sensitivity.error of r alone, without r*. Observed: |r - r*| /
  * |r*|. The row of a scene is the r whose prediction is the least in comparison, the most
  * optimistic one.
+ *
+ * Besides, 11,000 random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, up
+ * to 60 rows, even seeds: sweeps or ADMM at 1e-4 to 1e-8 beside an r* that is proved.
  */
 #include <dirent.h>
 #include <math.h>
@@ -16,7 +19,7 @@
 #include "delassus/trust.h"
 #include "solvers.h"
 
-enum { most_scenes = 400, most_rows = 900 };
+enum { most_scenes = 400, most_rows = 900, randoms = 11000, random_rows = 60 };
 
 typedef struct trust_row {
   char name[64];
@@ -109,6 +112,71 @@ static void judge_scene(void *data, const scene *s) {
   free(exact);
 }
 
+/* ---- random problems ------------------------------------------------------------------------- */
+
+typedef struct trust_tally {
+  int judged, skipped, above_1, above_10;
+  int same, same_above_1; /* of those whose states are all those of r* */
+  double largest, same_largest;
+} trust_tally;
+
+static void judge_random(int k, trust_tally *t) {
+  static double W[random_rows * random_rows], A[random_rows * random_rows], q[random_rows];
+  static double r[random_rows], exact[random_rows], mu[random_rows];
+  static const dls_method methods[] = {DLS_NLGS, DLS_ADMM};
+  uint64_t seed = 2 * (uint64_t)k + 2;
+  const int d = 1 + k % 3, nc = 1 + (int)((bench_draw(&seed) + 1) / 2 * (random_rows / d - 1));
+  const size_t m = (size_t)d * (size_t)nc;
+  for (size_t i = 0; i < m * m; i++)
+    A[i] = bench_draw(&seed);
+  for (size_t i = 0; i < m; i++)
+    for (size_t j = 0; j < m; j++) {
+      double sum = i == j ? k / 3 % 2 ? 1e-3 : 0.1 : 0;
+      for (size_t l = 0; l < m; l++)
+        sum += A[i + l * m] * A[j + l * m] / (double)m;
+      W[i + j * m] = sum;
+    }
+  for (size_t i = 0; i < m; i++)
+    q[i] = bench_draw(&seed) - (i % (size_t)d == 0 ? 0.3 : 0);
+  for (int c = 0; c < nc; c++)
+    mu[c] = d == 1 ? 0 : 0.45 + 0.35 * bench_draw(&seed);
+  const int n = (int)m;
+  const dls_contact p = {.d = d, .nc = nc, .W = {n, n, n, W}, .q = q, .mu = mu};
+  dls_sensitivity of;
+  dls_proof proof;
+  dls_info info;
+  const double tol = pow(10, -4 - k / 6 % 5);
+  const int good = solve_by(&p, DLS_AUTO, 1e-8, exact, &info) &&
+                   !dls_contact_prove(&p, exact, &proof, exact, NULL) && proof.kind == DLS_PROVED &&
+                   solve_by(&p, methods[k % 2], tol, r, &info) &&
+                   !dls_contact_sensitivity(&p, r, &of, NULL);
+  const double observed = good ? error_of(r, exact, m) : NAN;
+  if (!(observed > 1e-11 && info.certificate.residual > 1e-11)) {
+    t->skipped++;
+    return;
+  }
+  const double over = observed / of.error;
+  const int same = count_changed(&p, r, exact) == 0;
+  t->judged++;
+  t->above_1 += over > 1;
+  t->above_10 += over > 10;
+  t->largest = fmax(t->largest, over);
+  t->same += same;
+  t->same_above_1 += same && over > 1;
+  if (same) t->same_largest = fmax(t->same_largest, over);
+}
+
+static void print_tally(FILE *page, const trust_tally *t) {
+  bench_print(page,
+              "\n%d random problems of up to %d rows, true / predicted: above 1 in %d (%.2f %%), "
+              "above 10 in %d, largest %.3g; %d more have\nr = 0, no proved r*, or no error above "
+              "rounding. Of the %d with the states of r*: above 1 in %d, largest %.3g.\n",
+              t->judged, random_rows, t->above_1, 100.0 * t->above_1 / t->judged, t->above_10,
+              t->largest, t->skipped, t->same, t->same_above_1, t->same_largest);
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
 static int is_contact_text(const struct dirent *e) {
   const char *end = strrchr(e->d_name, '.');
   return e->d_name[0] == 'c' && end && strcmp(end, ".txt") == 0;
@@ -143,6 +211,9 @@ int main(int argc, char **argv) {
   if (!out || judge_texts("data/failures", &t) || scenes_files("data/fclib", judge_scene, &t) ||
       scenes_blocks(0, judge_scene, &t) || scenes_cubes(0, judge_scene, &t))
     return 1;
+  trust_tally tally = {0};
+  for (int k = 0; k < randoms; k++)
+    judge_random(k, &tally);
   FILE *page = bench_page(out, "trust", "What a residual means for the reactions", argc, argv);
   if (!page) return 1;
   for (int k = 0; k < t.count; k++)
@@ -161,9 +232,10 @@ int main(int argc, char **argv) {
               "no\nanswer with an error above rounding.\n\npredicted / true: below 0.8 in %d, 0.8 "
               "to 10 in %d, median %.2f. The last column counts candidates whose state is "
               "another\none than in "
-              "r*, a problem with several solutions for instance: there nothing is predicted.\n\n",
+              "r*, a problem with several solutions for instance: there nothing is predicted.\n",
               count, t.skipped, below, close, bench_median((size_t)count, share));
-  bench_print(page, "| scene | rows | amplification | residual | predicted | true | predicted / "
+  print_tally(page, &tally);
+  bench_print(page, "\n| scene | rows | amplification | residual | predicted | true | predicted / "
                     "true | other states |\n|---|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < count; k++) {
     const trust_row *row = &t.row[k];

@@ -20,7 +20,9 @@ draw() {
     cat "$work/$picture/log" >&2
     exit $status
   fi
-  cp "$work/$picture/$1.png" "$out/$picture.png" 2>/dev/null || { cat "$work/$picture/log" >&2; exit 2; }
+  name=$1
+  [ "$name" != info ] || name=sensitivity
+  cp "$work/$picture/$name.png" "$out/$picture.png" 2>/dev/null || { cat "$work/$picture/log" >&2; exit 2; }
   echo "$out/$picture.png"
 }
 
@@ -35,6 +37,8 @@ draw chart-wall chart "$p/wall-6x5-push0.3-mu1.hdf5"
 draw chart-cube chart "$p/h8-12-tilt-mu0.3.hdf5"
 draw chart-indentation chart "$p/indentation-step.hdf5"
 draw chart-scales chart data/failures/c20-scales.txt
+"$build/delassus" scene jean-fig3 --mesh 64x32 --quiet --save "$p/jean-fig3-64x32.hdf5" >/dev/null || exit 2
+draw sensitivity-jean info --sensitivity "$p/jean-fig3-64x32.hdf5"
 draw map-jean map jean-fig3
 draw map-wedge map data/failures/c03-jam-below.txt --mu 0:3
 draw map-catalogue map data/failures/c*.txt

@@ -178,21 +178,13 @@ static void border_column(dlsi_border *b, const dls_contact *problem, int c, int
   border_direction(b, c, j, e);
   memset(v, 0, m * sizeof *v);
   dlsi_contact_add_panel(problem, 1, &c, e, v);
-  for (int a = 0; a < b->nc; a++)
-    for (int i = 0; i < b->base[a].count; i++) {
-      double s[3] = {0};
-      memcpy(s, v + b->d * a, (size_t)b->d * sizeof *s);
-      x[b->base[a].first + i] = dlsi_branch_row(&b->base[a], i, s);
-    }
+  dlsi_branches_rows(b->d, b->nc, b->base, v, x);
 }
 
 /* v (3) := the block of W in row c and column a times e. */
 static void border_block(const dls_contact *problem, int c, int a, const double *e, double *v) {
   const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
-  const double *W = problem->W.a + d * (size_t)c + d * (size_t)a * ld;
-  v[0] = v[1] = v[2] = 0;
-  for (size_t i = 0; i < d; i++)
-    v[i] = W[i] * e[0] + (d > 1 ? W[i + ld] * e[1] : 0) + (d == 3 ? W[i + 2 * ld] * e[2] : 0);
+  dlsi_branch_block(problem->d, problem->W.a + d * (size_t)c + d * (size_t)a * ld, ld, e, v);
 }
 
 /* Fills the columns of V for candidate c. */

@@ -323,6 +323,25 @@ static double newton_right(const dlsi_branch *b, int i, const double *u, const d
   return -dlsi_branch_row(b, i, u) - (l > 0 ? l * dlsi_branch_row(b, 1, r) : 0);
 }
 
+/* x (NULL: not wanted) := the right side of (NE2) for u and r. Returns its norm. */
+static double newton_rights(const dls_newton *work, const dls_contact *problem, const double *u,
+                            const double *r, double *x) {
+  const size_t d = (size_t)problem->d;
+  double sum = 0;
+  for (int c = 0; c < problem->nc; c++, u += d, r += d) {
+    const dlsi_branch *b = &work->A.branch[c];
+    double v[3] = {0}, s[3] = {0};
+    memcpy(v, u, d * sizeof *v);
+    memcpy(s, r, d * sizeof *s);
+    for (int i = 0; i < b->count; i++) {
+      const double row = newton_right(b, i, v, s);
+      if (x) x[b->first + i] = row;
+      sum += row * row;
+    }
+  }
+  return sqrt(sum);
+}
+
 /* (NE1) for all candidates: next := r0, x := right side. Returns how many unknowns there are. */
 static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
@@ -343,34 +362,9 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   if (changed && !work->border.most) work->A.factors = DLSI_NO_FACTORS;
   work->settled = !changed;
   newton_known(work, problem);
-  for (int c = 0; c < problem->nc; c++) {
-    const size_t o = (size_t)d * (size_t)c;
-    const dlsi_branch *b = &work->A.branch[c];
-    double v[3] = {0}, s[3] = {0};
-    memcpy(v, work->unext + o, (size_t)d * sizeof *v);
-    memcpy(s, work->next + o, (size_t)d * sizeof *s);
-    for (int i = 0; i < b->count; i++)
-      work->x[b->first + i] = newton_right(b, i, v, s);
-  }
+  (void)newton_rights(work, problem, work->unext, work->next, work->x);
   work->right = dlsi_norm2(work->x, (size_t)k);
   return k;
-}
-
-/* Returns how much of the right side of (NE2) the step to r has left; u: that of r. */
-static double newton_left(const dls_newton *work, const dls_contact *problem) {
-  const size_t d = (size_t)problem->d;
-  double sum = 0;
-  for (int c = 0; c < problem->nc; c++) {
-    const dlsi_branch *b = &work->A.branch[c];
-    double v[3] = {0}, s[3] = {0};
-    memcpy(v, work->it.u + d * (size_t)c, d * sizeof *v);
-    memcpy(s, work->r + d * (size_t)c, d * sizeof *s);
-    for (int i = 0; i < b->count; i++) {
-      const double row = newton_right(b, i, v, s);
-      sum += row * row;
-    }
-  }
-  return sqrt(sum);
 }
 
 /* Returns |AC| of r and u = W r + q. */
@@ -474,7 +468,8 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
       halved = now.residual;
       since = k;
     }
-    if (work->keeps && !(newton_left(work, problem) <= stale * work->right))
+    if (work->keeps &&
+        !(newton_rights(work, problem, work->it.u, work->r, NULL) <= stale * work->right))
       work->A.factors = DLSI_NO_FACTORS; /* (NE5) */
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;

@@ -11,6 +11,7 @@
  *          slip, d = 3    and E = R = p, L = l        p.u + l p.r = 0,  l = |u_t| / |r_t|
  *          mu = 0         E = R = n                   u_n = 0
  *   (SM2)  A = R W E + L:  A y = -(right side of these rows)
+ *   (SM3)  where r is projected on the cones (facts/least.c) R = E^T: at the surface (1, mu t)
  *
  * Newton's method (newton.c) solves with A + eps diag(w); the sensitivity of an answer is |A^-1|
  * (facts/sensitivity.c); friction folds where A is singular (facts/fold.c); a proof bounds
@@ -48,12 +49,21 @@ void dlsi_branch_direction(const dlsi_branch *b, int j, double *e) {
 
 double dlsi_branch_row(const dlsi_branch *b, int i, const double *v) {
   if (b->state == DLS_STICK) return i == 0 ? v[0] : i == 1 ? v[1] : v[2];
-  return i == 0 ? v[0] : b->t[0] * v[2] - b->t[1] * v[1];
+  if (i == 0) return v[0] + (b->symmetric ? b->mu * (b->t[0] * v[1] + b->t[1] * v[2]) : 0);
+  return b->t[0] * v[2] - b->t[1] * v[1];
+}
+
+void dlsi_branch_block(int d, const double *x, size_t ld, const double *e, double *v) {
+  v[0] = v[1] = v[2] = 0;
+  for (int i = 0; i < d; i++)
+    v[i] = x[i] * e[0] + (d > 1 ? x[(size_t)i + ld] * e[1] : 0) +
+           (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
 }
 
 int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b) {
-  return a->state == b->state && a->count == b->count && a->mu == b->mu && a->t[0] == b->t[0] &&
-         a->t[1] == b->t[1] && (a->count == 1 || a->l == b->l);
+  return a->state == b->state && a->symmetric == b->symmetric && a->count == b->count &&
+         a->mu == b->mu && a->t[0] == b->t[0] && a->t[1] == b->t[1] &&
+         (a->count == 1 || a->l == b->l);
 }
 
 /* Returns (SM1) for r and u of a contact. */
@@ -115,7 +125,7 @@ static void branches_add(int d, int nc, const dlsi_branch *branch, int rows, con
     for (int j = 0; j < branch[c].count; j++) {
       const double x = y[branch[c].first + j];
       dlsi_branch_direction(&branch[c], j, e);
-      if (rows && j == 0) e[1] = e[2] = 0;
+      if (rows && j == 0 && !branch[c].symmetric) e[1] = e[2] = 0;
       for (int i = 0; i < d; i++)
         v[i] += x * e[i];
     }
@@ -135,15 +145,8 @@ void dlsi_branches_add_rows(int d, int nc, const dlsi_branch *branch, const doub
 /* Returns L and the shift of unknown j of contact c. R E is the unit matrix but for the tangential
  * part of (1, mu t), which the row across does not see: no entry beside the diagonal is needed. */
 static double states_diagonal(const dlsi_branch *b, const double *shift, int c, int j) {
-  return (shift ? shift[c] : 0) + (b[c].state == DLS_SLIP && j == 1 ? b[c].l : 0);
-}
-
-/* v (3) := a block x of W times e. */
-static void states_multiply_block(int d, const double *x, size_t ld, const double *e, double *v) {
-  v[0] = v[1] = v[2] = 0;
-  for (int i = 0; i < d; i++)
-    v[i] = x[i] * e[0] + (d > 1 ? x[(size_t)i + ld] * e[1] : 0) +
-           (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
+  const double RE = b[c].symmetric && b[c].state == DLS_SLIP && j == 0 ? 1 + b[c].mu * b[c].mu : 1;
+  return (shift ? shift[c] * RE : 0) + (b[c].state == DLS_SLIP && j == 1 ? b[c].l : 0);
 }
 
 /* Returns W(:,c) times the direction of unknown j of contact c, m; W dense. scratch: m. */
@@ -172,10 +175,13 @@ static void states_fill_dense(const dls_contact *problem, const dlsi_branch *bra
       double *J = A + (size_t)col * (size_t)n;
       for (int i = 0; i < n; i++)
         J[i] = v[row[i]];
-      for (int c = 0; d == 3 && c < problem->nc; c++) {
+      for (int c = 0; d > 1 && c < problem->nc; c++) { /* rows that are no row of W */
         const dlsi_branch *at = &branch[c];
-        if (at->state == DLS_SLIP && at->count == 2)
-          J[at->first + 1] = dlsi_branch_row(at, 1, v + 3 * c);
+        double own[3] = {0};
+        if (at->state != DLS_SLIP || !(at->symmetric || at->count == 2)) continue;
+        memcpy(own, v + d * c, (size_t)d * sizeof *own);
+        for (int i = at->symmetric ? 0 : 1; i < at->count; i++)
+          J[at->first + i] = dlsi_branch_row(at, i, own);
       }
       J[col] += states_diagonal(branch, shift, b, j);
     }
@@ -203,7 +209,7 @@ static void states_fill_blocks(const dls_contact *problem, const dlsi_branch *br
       for (size_t s = W.begin; s < W.end; s++) {
         const dlsi_branch *at = &branch[dlsi_row(&W, s)];
         if (!at->count) continue;
-        states_multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
+        dlsi_branch_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < at->count; i++)
           if (J)
             J[at->first + i] += dlsi_branch_row(at, i, v);

@@ -8,9 +8,10 @@
 
 /* The unknowns y and equations of one contact in its state: states_matrix.c, (SM1). */
 typedef struct dlsi_branch {
-  short state; /* dls_contact_state */
-  short count; /* of its unknowns, ... */
-  int first;   /* ... the first one */
+  short state;     /* dls_contact_state */
+  short symmetric; /* 1: R = E^T (SM3), 0: (SM1) */
+  short count;     /* of its unknowns, ... */
+  int first;       /* ... the first one */
   double mu;
   double t[2]; /* slip: direction along; across, d = 3: (-t[1], t[0]) */
   double l;
@@ -21,6 +22,9 @@ void dlsi_branch_direction(const dlsi_branch *b, int j, double *e);
 
 /* Returns row i of R of a contact times v (3). */
 double dlsi_branch_row(const dlsi_branch *b, int i, const double *v);
+
+/* v (3) := a block of W, d x d at x, times e. */
+void dlsi_branch_block(int d, const double *x, size_t ld, const double *e, double *v);
 
 /* Returns 1 if a and b lead to the same rows and columns of A. */
 int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b);
@@ -38,7 +42,7 @@ void dlsi_branches_add_rows(int d, int nc, const dlsi_branch *branch, const doub
 void dlsi_branches_add_directions(int d, int nc, const dlsi_branch *branch, const double *y,
                                   double *v); /* v += E y */
 
-/* A (n x n) := R W E + L + shift_c on the diagonal; W dense or by blocks. shift: nc, or NULL.
+/* A (n x n) := R W E + L + shift_c R E on the diagonal; W dense or by blocks. shift: nc, or NULL.
  * row: n, the row of W of each row of A (not of those across a slip). column: scratch, m. */
 void dlsi_states_fill(const dls_contact *problem, const dlsi_branch *branch, const double *shift,
                       int n, int *row, double *column, double *A);

@@ -108,6 +108,14 @@ typedef enum dls_uniqueness {
   DLS_UNIQUE_NO = 2   /* a second certified answer was found */
 } dls_uniqueness;
 
+/* The reactions to return if W does not determine them (trust.h, dls_contact_freedom). All have the
+ * same positions u. */
+typedef enum dls_forces {
+  DLS_FORCES_ANY = 0,  /* those that the method finds; they depend on the order of the contacts */
+  DLS_FORCES_LEAST = 1 /* those with the least sum of w_c |r_c|^2, w_c = trace(W_cc) / d: there is
+                          one such r, and it is as symmetric as the problem */
+} dls_forces;
+
 /* The outcome of a solve. */
 typedef struct dls_info {
   dls_status status; /* as returned */
@@ -129,6 +137,7 @@ typedef struct dls_info {
   int candidates;    /* auto: contacts of the problem */
   int blocks;   /* auto: blocks of W; 0: W is dense; -1: W of bodies, not formed at the start */
   int left_out; /* auto: contacts that provably stay open, which the stages leave out */
+  dls_forces forces; /* DLS_FORCES_LEAST: r is the least one; only if the settings ask for it */
 } dls_info;
 
 #ifdef __cplusplus

@@ -21,6 +21,11 @@ typedef struct dls_solver_settings {
   dls_acceleration acceleration; /* nlgs; DLS_ACCELERATION_NONE */
   int positive_definite; /* 1: you know that W is symmetric positive definite; Newton's method then
                             does not regularise it; 0 */
+  dls_forces forces;     /* DLS_FORCES_LEAST: replaces a solved r by the least reactions of the same
+                        positions, if W is symmetric and mu finite. Takes the memory of newton and
+                        some of its steps. info.forces reports whether r was replaced. auto then
+                        does not extrapolate from earlier answers, and dls_solve_batch uses no
+                        lanes. DLS_FORCES_ANY */
   /* Steps of auto; NULL: auto chooses them; NULL. dls_solver_create reads both.
    *
    * plan: the steps to run, for example "sweeps:30,newton,homotopy", up to DLS_STAGES_MAX. ":30"

@@ -47,7 +47,7 @@ typedef enum dls_status {
   DLS_TIME_LIMIT = 7,          /* limits.cpu_seconds came first */
   DLS_FOLDED = 8,              /* forming.h: the next step would leave no body */
   DLS_TO_ROUNDING = 9,         /* solved to rounding, which is above the tolerance; see the floors
-                                 of the certificate */
+                                 of the certificate. auto: up to 1e-4, or r is proved */
   DLS_NOT_IN_EQUILIBRIUM = 10, /* the forces of a body do not balance, by certificate.unbalanced */
 
   DLS_E_ARGUMENT = -1,              /* NULL, or a value outside its range */

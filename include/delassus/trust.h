@@ -71,6 +71,15 @@ DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *probl
                                                         dls_sensitivity *sensitivity,
                                                         dls_error *error);
 
+/* Counts the self-stresses of an answer r (m): *freedom := the dimension of the reactions with the
+ * positions of r. 0: r is determined. Greater: the sum of the reactions on each body is determined,
+ * single reactions are not, and a solver returns one of many (dls_solver_settings.forces). The
+ * count is rows - rank of the matrix A above, in the states of r; contacts that touch to 1e-6 of
+ * the largest position count as sticking, with or without a reaction. O(rows^3) operations, rows^2
+ * doubles + O(m). Errors of dls_contact_sensitivity. */
+DLS_API DLS_MUST_USE dls_status dls_contact_freedom(const dls_contact *problem, const double *r,
+                                                    int *freedom, dls_error *error);
+
 /* ---- a proof --------------------------------------------------------------------------------- */
 
 typedef enum dls_proof_kind {

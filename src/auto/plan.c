@@ -35,7 +35,7 @@ static const step elastic[] = {{SWEEPS, 0, 0}, {REST, 0, 0},         {SPLITTING,
 /* Few contacts of many bodies: sweeps mostly come in. Where they do not, momentum from r = 0 does,
  * or pivots, cheap in 2D; Newton's method seldom. */
 static const step few[] = {{SWEEPS, 0, 0}, {REST, 0, 0},
-                           {NEWTON, 0, 0}, {PUSH, COLD, dlsi_auto_short_pushes},
+                           {NEWTON, 0, 0}, {PUSH, COLD, dlsi_auto_few_pushes},
                            {NEWTON, 0, 0}, {PIVOTING, EARLY, 0},
                            {NEWTON, 0, 0}, {PUSH, 0, dlsi_auto_long_pushes},
                            {NEWTON, 0, 0}, {COLD_SPLITTING, COLD, dlsi_auto_splits},

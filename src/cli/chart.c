@@ -4,8 +4,9 @@
  *
  * The true error of an answer is its distance from a reference: of the methods that solve to 1e-8,
  * those whose answers agree share one reference, the answer with the least residual among them; how
- * well the next best agrees with it bounds what an error can mean. Methods that do not agree found
- * different solutions.
+ * well the next best agrees with it bounds what an error can mean. Where dls_contact_prove proves
+ * the reference, errors are measured from the improved one, and the radius of the proof is added:
+ * they are bounds then. Methods that do not agree found different solutions.
  */
 #define _GNU_SOURCE
 #include <getopt.h>
@@ -107,14 +108,12 @@ static void chart_assign(chart *c, int k) {
     if (c->answer[at].found_by++ == 1) c->answer[at].agreement = distance;
     break;
   }
-  if (at == c->answers) c->answer[c->answers++] = (chart_answer){k, 1, NAN};
+  if (at == c->answers) c->answer[c->answers++] = (chart_answer){k, 1, NAN, NULL};
   c->went_to[k] = at;
 }
 
-/* Groups the answers by agreement, then measures the errors of all from the nearest answer: a
- * method may go to different ones at different tolerances. The error of a reference itself is not
- * known; its agreement takes its place (fmax leaves NaN out). */
-static void chart_errors(chart *c) {
+/* Groups the answers by agreement. */
+static void chart_group(chart *c) {
   const race *a = &c->race;
   int left = 0;
   for (int k = 0; k < a->count; k++) {
@@ -129,16 +128,51 @@ static void chart_errors(chart *c) {
         best = k;
     chart_assign(c, best);
   }
+}
+
+static const double *chart_reference_of(const chart *c, int at) {
+  const int of = c->answer[at].of;
+  return c->answer[at].proved ? c->answer[at].proved
+                              : race_answer(&c->race, of, chart_best_rung(c, of));
+}
+
+/* Proves the references of errors in r; without memory returns DLS_E_MEMORY. */
+static dls_status chart_prove(chart *c, dls_error *error) {
+  const size_t m = (size_t)c->race.d * (size_t)c->race.nc;
+  if (c->in_u || m > most_rows_of_prediction) return DLS_OK;
+  for (int at = 0; at < c->answers; at++) {
+    chart_answer *answer = &c->answer[at];
+    const double *r = race_answer(&c->race, answer->of, chart_best_rung(c, answer->of));
+    dls_proof proof;
+    double *improved = malloc(m * sizeof *improved);
+    if (!improved) return DLS_E_MEMORY;
+    const dls_status status = dls_contact_prove(c->race.problem, r, &proof, improved, error);
+    if (status || proof.kind != DLS_PROVED) {
+      free(improved);
+      if (status) return status;
+      continue;
+    }
+    answer->proved = improved;
+    answer->agreement = proof.radius;
+  }
+  return DLS_OK;
+}
+
+/* Measures the errors of all from the nearest answer: a method may go to another one at another
+ * tolerance. The error of a reference that is not proved is not known; its agreement takes its
+ * place (fmax leaves NaN out). */
+static void chart_errors(chart *c) {
+  const race *a = &c->race;
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       double *error = &c->error[k * a->rungs + rung];
       *error = NAN;
       if (race_trial(a, k, rung)->end != ENDED_SOLVED) continue;
       for (int at = 0; at < c->answers; at++) {
-        const int of = c->answer[at].of;
-        const double *x = race_answer(a, of, chart_best_rung(c, of));
-        const double e =
-            fmax(chart_distance(c, race_answer(a, k, rung), x), c->answer[at].agreement);
+        const double distance =
+            chart_distance(c, race_answer(a, k, rung), chart_reference_of(c, at));
+        const double e = fmax(distance + (c->answer[at].proved ? c->answer[at].agreement : 0),
+                              c->answer[at].agreement);
         if (!(*error <= e)) *error = e;
       }
     }
@@ -270,6 +304,9 @@ static dls_status chart_measure(chart *c, const chart_options *o, dls_error *err
   c->in_u = !status && facts.rank != c->race.d * c->race.nc; /* not known: -1 */
   if (!status && c->in_u) status = chart_to_u(c, error);
   if (status) return status;
+  chart_group(c);
+  status = chart_prove(c, error);
+  if (status) return status;
   chart_errors(c);
   chart_amplify(c);
   status = chart_predict(c, error);
@@ -308,6 +345,8 @@ static int run_chart(const char *name, const chart_options *o) {
   }
   race_free(&c.race);
   named_free(&c.subject);
+  for (int at = 0; at < c.answers; at++)
+    free(c.answer[at].proved);
   free(c.error);
   free(c.history);
   return result;

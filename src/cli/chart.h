@@ -10,7 +10,10 @@ enum { CHART_RUNGS = 13, CHART_TARGETS = 3 };
 typedef struct chart_answer {
   int of;           /* contender with the least residual: the reference */
   int found_by;     /* how many found it */
-  double agreement; /* distance of the next best member; NaN: nobody else found it */
+  double agreement; /* distance of the next best member; NaN: nobody else found it; of a proved one
+                       the radius of its proof */
+  double *proved;   /* m: the answer improved and proved (dls_contact_prove), which errors are
+                       measured from; NULL: not proved */
 } chart_answer;
 
 typedef struct chart {

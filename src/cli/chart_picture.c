@@ -136,6 +136,9 @@ static void plot_curves(FILE *s, const chart *c, int x, int y) {
   for (int i = 1; i <= a->count; i++) {
     const int k = i % a->count; /* auto, 0, comes last */
     if (race_trial(a, k, 0)->end != ENDED_SOLVED || (y == 5 && !c->answers)) continue;
+    if (y == 5) /* the residual beside its error */
+      fprintf(s, ", \\\n      'chart.dat' index %d using %d:4 with lines lw 1.2 dt 3 lc rgb '%s'",
+              2 * k, x, a->who[k].colour);
     fprintf(s,
             ", \\\n      'chart.dat' index %d using %d:%d with linespoints lw %g lc rgb '%s' pt %d "
             "ps %g",
@@ -257,8 +260,9 @@ static void write_ratios(FILE *s, const chart *c, const ranges *g) {
 
 static void write_errors(FILE *s, const chart *c, const ranges *g) {
   char title[160];
-  (void)snprintf(title, sizeof title, "the true error in %s against CPU",
-                 c->in_u ? "u (W is rank deficient)" : "r");
+  const int proved = c->answers > 0 && c->answer[0].proved;
+  (void)snprintf(title, sizeof title, "the %s error in %s against CPU; dots: the residual",
+                 proved ? "proved" : "true", c->in_u ? "u (W is rank deficient)" : "r");
   begin_panel(s, 2, title, "CPU [ms]", c->in_u ? "|u - u*| / |q|" : "|r - r*| / |r*|");
   fprintf(s,
           "  set logscale xy\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
@@ -268,8 +272,9 @@ static void write_errors(FILE *s, const chart *c, const ranges *g) {
   const double agreement = c->answers ? c->answer[0].agreement : (double)NAN;
   if (agreement > 0)
     fprintf(s,
-            "  set label 'the two best answers agree to this' at graph 0.99,first %g right offset "
+            "  set label '%s' at graph 0.99,first %g right offset "
             "0,%g tc rgb '#606060' font ',11' front boxed\n",
+            proved ? "the reference is proved to this" : "the two best answers agree to this",
             at_least(agreement, 3 * least_residual),
             agreement > 100 * least_residual ? -0.8 : 0.6); /* below, where no curve goes */
   if (c->answers > 1)

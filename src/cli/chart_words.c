@@ -38,7 +38,8 @@ void chart_reference(const chart *c, char *text, size_t size) {
                                       : "",
                      'A' + at, c->race.who[answer->of].name, answer->found_by);
     if (isfinite(answer->agreement) && used >= 0 && (size_t)used < size)
-      used += snprintf(text + used, size - (size_t)used, ", next best agrees to %.0e",
+      used += snprintf(text + used, size - (size_t)used,
+                       answer->proved ? ", proved within %.0e" : ", next best agrees to %.0e",
                        answer->agreement);
   }
 }

@@ -247,6 +247,15 @@ void print_ending(dls_status status, const dls_info *info);
 /* Writes what a proof shows of an answer into text (size); returns text. */
 const char *proof_words(const dls_proof *proof, char *text, size_t size);
 
+/* Counts the self-stresses of an answer r on W, up to most_rows_of_freedom rows. DLS_E_MEMORY and
+ * the like. */
+enum { most_rows_of_freedom = 1000, FREEDOM_TOO_LARGE = -1, FREEDOM_ON_K = -2, NO_FREEDOM = -3 };
+dls_status count_freedom(const dls_contact *contact, const double *r, int *freedom,
+                         dls_error *error);
+/* Writes what a table of reactions has to say of them, "" where they are determined. */
+enum { FREEDOM_ROOM = 160 };
+const char *freedom_words(int freedom, dls_forces forces, char *text);
+
 /* Prints the last line of a solve whose answer a proof has looked at. */
 void print_proved(const dls_proof *proof);
 
@@ -284,20 +293,6 @@ const char *state_word(dls_contact_state state);
 enum { UNSOLVED_ROOM = 120 };
 const char *unsolved_words(dls_status status, double residual, char *text, size_t size);
 const char *iteration_word(dls_method method, int count);
-
-/* ---- results.c ------------------------------------------------------------------------------- */
-
-/* Finds the state of each candidate; a new array, or NULL after a complaint. */
-dls_contact_state *find_states(const problem *p, const double *r, const double *u);
-
-/* Prints the answer as a table: each candidate's state, reaction and position; with x (n), each
- * unknown's. */
-int print_results(const problem *p, const double *r, const double *u, const double *x);
-
-/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv, `unsolved` in a line before it; 0
- * after a complaint. The directory is there: make_directory. */
-int write_results(const char *directory, const problem *p, const double *r, const double *u,
-                  const double *x, const char *unsolved);
 
 /* ---- verdict.c ------------------------------------------------------------------------------- */
 
@@ -353,6 +348,7 @@ typedef struct outcome {
   int prove;                     /* of solve, 1: `proved` is known */
   dls_proof proved;
   unsettled unsettled; /* of solve, where nothing else is said */
+  int freedom;         /* of the answer (count_freedom), FREEDOM_ON_K; NO_FREEDOM: no answer */
 } outcome;
 
 const char *method_word(const outcome *outcome);
@@ -409,6 +405,21 @@ int jean_sweeps(const dls_contact *problem, int weighted, int most, double *r);
  * P (tridiagonal but for a last row) the rows of the candidates. work: nc. */
 void jean_unweight(const dls_sparse *P, const double *r, int i, double *work, double *w);
 
+/* ---- results.c ------------------------------------------------------------------------------- */
+
+/* Finds the state of each candidate; a new array, or NULL after a complaint. */
+dls_contact_state *find_states(const problem *p, const double *r, const double *u);
+
+/* Prints the answer as a table: each candidate's state, reaction and position; with x (n), each
+ * unknown's. */
+int print_results(const problem *p, const outcome *o, const double *r, const double *u,
+                  const double *x);
+
+/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv, `unsolved` in a line before it; 0
+ * after a complaint. The directory is there: make_directory. */
+int write_results(const char *directory, const problem *p, const outcome *o, const double *r,
+                  const double *u, const double *x, const char *unsolved);
+
 /* ---- picture.c ------------------------------------------------------------------------------- */
 
 /* The contents of a scene's pictures; the caller owns the arrays; NaN where the paper has no
@@ -460,6 +471,20 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
+
+/* Copies a name without directories and ending (named.c). */
+void shorten(const char *name, char *text, size_t size);
+
+/* ---- sensitivity.c --------------------------------------------------------------------------- */
+
+/* Rows of the largest problem for the map of info --sensitivity. */
+enum { most_rows_of_map = 600 };
+
+/* Writes which gaps and loads, and how much friction, each reaction of the answer r depends on:
+ * sensitivity.csv, friction.csv and the picture sensitivity.png, .svg in the directory, and, text =
+ * 1, a table on stdout. EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
+int show_sensitivity(const char *name, const dls_contact *contact, const double *r,
+                     const char *directory, int text);
 
 /* ---- folder.c -------------------------------------------------------------------------------- */
 

@@ -8,15 +8,18 @@
 static void info_usage(FILE *out) {
   fputs(
       "Usage: delassus info [OPTION]... FILE\n"
-      "Prints facts about a contact problem (FCLIB, HDF5; local, or global after its reduction; or "
-      "text):\n"
+      "Prints facts about a contact problem (FCLIB, local or global, or text):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
       "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
       "FILE may be a pipe, or - for standard input.\n"
       "\n"
       "      --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
-      "(2000)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
+      "(2000)\n"
+      "      --sensitivity     solve, and show which gaps and loads each reaction depends on, and\n"
+      "                        how it changes with friction: a table, and a map in DIR (600 rows)\n"
+      "  -o, --out=DIR         folder for the map (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
       out);
 }
 
@@ -115,18 +118,26 @@ typedef struct trust {
   double r[room * listed_rows], low[room * listed_rows], high[room * listed_rows];
 } trust;
 
-/* Solves and proves the answer where there is one; without memory returns DLS_E_MEMORY. */
-static dls_status find_proof(const dls_contact *contact, trust *t, dls_error *error) {
-  static double r[most_proved];
-  const int m = contact->d * contact->nc;
-  if (m == 0 || m > most_proved) return DLS_OK;
+/* Solves by auto, and proves r (m): improves it. *solved: 1 where there is an answer. */
+static dls_status solve_and_prove(const dls_contact *contact, double *r, dls_proof *proof,
+                                  int *solved, dls_error *error) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.limits.cpu_seconds = 1;
-  dls_status status = dls_solve(contact, &settings, r, NULL, NULL, error);
-  if (status < 0 || !is_solved(status)) return status == DLS_E_MEMORY ? status : DLS_OK;
-  status = dls_contact_prove(contact, r, &t->proof, NULL, error);
-  t->has_proof = status == DLS_OK;
+  const dls_status status = dls_solve(contact, &settings, r, NULL, NULL, error);
+  *solved = is_solved(status);
+  if (!*solved) return status == DLS_E_MEMORY ? status : DLS_OK;
+  return dls_contact_prove(contact, r, proof, r, error);
+}
+
+/* Proves the answer where there is one; without memory returns DLS_E_MEMORY. */
+static dls_status find_proof(const dls_contact *contact, trust *t, dls_error *error) {
+  static double r[most_proved];
+  const int m = contact->d * contact->nc;
+  int solved = 0;
+  if (m == 0 || m > most_proved) return DLS_OK;
+  const dls_status status = solve_and_prove(contact, r, &t->proof, &solved, error);
+  t->has_proof = solved && status == DLS_OK;
   return status;
 }
 
@@ -306,18 +317,40 @@ static void print_info_json(const problem *p, const dls_diagnosis *g, const trus
 /* ---- the command ----------------------------------------------------------------------------- */
 
 typedef struct info_options {
-  int limit;
+  int limit, sensitivity;
+  const char *out;
 } info_options;
+
+/* Does --sensitivity. */
+static int map_answer(const char *path, const dls_contact *contact, const char *out) {
+  static double r[most_rows_of_map];
+  dls_error error = {0};
+  dls_proof proof;
+  int solved = 0;
+  const int m = contact->d * contact->nc;
+  if (m > most_rows_of_map || m == 0)
+    return complain("--sensitivity: %s has %d rows, 1 to %d are mapped", path, m, most_rows_of_map);
+  if (solve_and_prove(contact, r, &proof, &solved, &error)) return complain_of(path, &error);
+  if (!solved) return complain("--sensitivity: %s: auto has no answer in a second", path);
+  out = take_folder(out, "info", path);
+  return out ? show_sensitivity(path, contact, r, out, prints_text()) : EXIT_BAD_INPUT;
+}
 
 static taken take_info_option(int key, const char *text, void *data) {
   info_options *o = data;
   if (key == 'l') return parse_count("limit", text, &o->limit);
-  return OPTION_UNKNOWN;
+  if (key != 's' && key != 'o') return OPTION_UNKNOWN;
+  if (key == 's')
+    o->sensitivity = 1;
+  else
+    o->out = text;
+  return OPTION_TAKEN;
 }
 
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {VALUE("limit", 'l'), LAST_OPTIONS};
-  static const command info = {"", options, info_usage, take_info_option, 1};
+  static const struct option options[] = {VALUE("limit", 'l'), FLAG("sensitivity", 's'),
+                                          VALUE("out", 'o'), LAST_OPTIONS};
+  static const command info = {"o:", options, info_usage, take_info_option, 1};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;
@@ -337,6 +370,7 @@ int command_info(int argc, char **argv) {
       print_info_json(&p, &g, &t);
     else if (!is_quiet())
       print_facts(path, &p, o.limit, &g, &t);
+    if (o.sensitivity) result = map_answer(path, &p.contact, o.out);
   }
   problem_free(&p);
   return result;

@@ -4,8 +4,7 @@
 
 #include "race.h"
 
-/* Copies the name without directories and ending. */
-static void shorten(const char *name, char *text, size_t size) {
+void shorten(const char *name, char *text, size_t size) {
   const char *slash = strrchr(name, '/');
   (void)snprintf(text, size, "%s", slash ? slash + 1 : name);
   char *dot = strrchr(text, '.');

@@ -85,13 +85,37 @@ void print_ending(dls_status status, const dls_info *info) {
     (void)snprintf(how_well, sizeof how_well, " to rounding: positions to %.0e, forces to %.0e",
                    fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
   else if (c && info->error > DBL_MAX)
-    (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined");
+    (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined%s",
+                   info->forces == DLS_FORCES_LEAST ? ", the least are given" : "");
   else if (c && info->error > told_error)
     (void)snprintf(how_well, sizeof how_well, ": reactions to about %.0e", info->error);
   if (c && status == DLS_NOT_IN_EQUILIBRIUM)
     (void)snprintf(why, sizeof why, "%s: a force of %.3g on body %d is not balanced",
                    dls_status_text(status), c->unbalanced, c->body);
   print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
+}
+
+dls_status count_freedom(const dls_contact *contact, const double *r, int *freedom,
+                         dls_error *error) {
+  *freedom = FREEDOM_TOO_LARGE;
+  if (contact->d * contact->nc > most_rows_of_freedom) return DLS_OK;
+  return dls_contact_freedom(contact, r, freedom, error);
+}
+
+const char *freedom_words(int freedom, dls_forces forces, char *text) {
+  text[0] = '\0';
+  if (freedom == FREEDOM_ON_K)
+    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted on K (--on=W counts them)");
+  if (freedom == FREEDOM_TOO_LARGE)
+    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted for more than %d rows",
+                   most_rows_of_freedom);
+  if (freedom > 0)
+    (void)snprintf(
+        text, FREEDOM_ROOM,
+        "%d self-stress%s: the sum on each body is determined, single reactions are not; %s",
+        freedom, freedom == 1 ? "" : "es",
+        forces == DLS_FORCES_LEAST ? "these are the least" : "--forces=least gives the least");
+  return text;
 }
 
 const char *proof_words(const dls_proof *proof, char *text, size_t size) {
@@ -345,6 +369,8 @@ void print_json(FILE *out, const outcome *o) {
   fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
           o->info.iterations);
   if (o->info.regime) fprintf(out, ",\n  \"regime\": \"%s\"", dls_regime_name(o->info.regime));
+  fprintf(out, ",\n  \"forces\": \"%s\"", o->info.forces == DLS_FORCES_LEAST ? "least" : "any");
+  print_json_field(out, "freedom", o->freedom < 0 ? (double)NAN : o->freedom);
   fprintf(out, ",\n  \"unique\": \"%s\",\n  \"ambiguous\": %d", uniqueness_word(o->info.unique),
           o->info.ambiguous);
   print_json_field(out, "residual", c->residual);

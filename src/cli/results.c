@@ -73,23 +73,29 @@ dls_contact_state *find_states(const problem *p, const double *r, const double *
   return state;
 }
 
-int print_results(const problem *p, const double *r, const double *u, const double *x) {
+int print_results(const problem *p, const outcome *o, const double *r, const double *u,
+                  const double *x) {
   dls_contact_state *state = find_states(p, r, u);
+  char text[FREEDOM_ROOM];
   if (!state) return 0;
   const sheet s = {stdout, 0};
+  if (is_quiet() && *freedom_words(o->freedom, o->info.forces, text)) printf("  %s\n", text);
   put_candidates(&s, &p->contact, state, r, u);
   if (x) put_unknowns(&s, p, x);
   free(state);
   return 1;
 }
 
-int write_results(const char *directory, const problem *p, const double *r, const double *u,
-                  const double *x, const char *unsolved) {
+int write_results(const char *directory, const problem *p, const outcome *o, const double *r,
+                  const double *u, const double *x, const char *unsolved) {
+  char text[FREEDOM_ROOM];
   dls_contact_state *state = find_states(p, r, u);
   sheet s = {state ? open_in(directory, "r.csv") : NULL, 1};
   int good = s.file != NULL;
   if (good) {
     if (*unsolved) (void)fprintf(s.file, "# %s\n", unsolved);
+    if (o->freedom > 0)
+      (void)fprintf(s.file, "# %s\n", freedom_words(o->freedom, o->info.forces, text));
     put_candidates(&s, &p->contact, state, r, u);
     good = close_file(s.file, "r.csv");
   }

@@ -261,6 +261,9 @@ static dls_status scene_compute(run *a, const scene_options *o, dls_error *error
   const dls_model *model = &a->data.model;
   status = dls_reduction_nodal(a->reduction, a->r, a->R, error);
   if (!status) status = dls_contact_states(&a->contact, a->r, a->u, a->state, error);
+  a->outcome.freedom = NO_FREEDOM;
+  if (!status && is_solved(a->outcome.info.status))
+    status = count_freedom(&a->contact, a->r, &a->outcome.freedom, error);
   if (!status) status = dls_fe_scene_displacement(a->scene, a->x, a->displacement, error);
   if (status) return status;
   for (int i = 0; i < model->n; i++)
@@ -407,6 +410,8 @@ static void print_run(const run *a, const scene_options *o) {
                    : "\nequivalent weighted reactions, P^-1 r");
   print_quantities(a, equivalent, 2);
   if (!o->weighted) print_admissible(a);
+  char text[FREEDOM_ROOM];
+  if (*freedom_words(out->freedom, out->info.forces, text)) printf("%s\n", text);
   printf("\nresultants of the reactions: Rx = %.5e, Ry = %.5e N/m\n", out->Rt, out->Rn);
 }
 

@@ -9,7 +9,7 @@
 #include "hints.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE };
+enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE, KEY_FORCES };
 
 typedef struct solve_options {
   solver_options solver;
@@ -41,6 +41,8 @@ static void solve_usage(FILE *out) {
       "                        iterations); a wrong word prints the right ones\n"
       "      --without=STEPS   steps that auto leaves out, for example homotopy,scatter\n"
       "      --explain         print what auto did: the regime, each step, its cost, why it ended\n"
+      "      --forces=WHICH    if W does not determine the reactions: any (default), or least,\n"
+      "                        those with the least sum of w |r|^2, on W\n"
       "\nThe answer:\n"
       "      --print           print state, gap, r and u of each contact, and x\n"
       "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, with all digits\n"
@@ -172,6 +174,8 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
   if (!print_states(p, r, u)) return 0;
+  char text[FREEDOM_ROOM];
+  if (*freedom_words(o->freedom, o->info.forces, text)) printf("  %s\n", text);
   verdict_print(&o->verdict, o->proof);
   unsettled_print(&o->unsettled);
   dls_diagnosis facts;
@@ -203,7 +207,8 @@ static int solve_contact(const char *path, const solve_options *options) {
   int loaded;
   matrix_options matrices = options->matrices;
   const dls_solver_settings *asked = &options->solver.settings;
-  if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without) &&
+  if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without ||
+       asked->forces) &&
       matrices.on != DLS_ON_K)
     matrices.on = DLS_ON_W;
   if (matrices_name(&matrices))
@@ -262,6 +267,11 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
+  o.freedom = !is_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
+  if (is_solved(status) && !p.on_K && count_freedom(&p.contact, r, &o.freedom, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
@@ -290,8 +300,8 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
-  if (options->print && !print_results(&p, r, u, x)) goto end;
+  if (options->csv && !write_results(options->csv, &p, &o, r, u, x, unsolved)) goto end;
+  if (options->print && !print_results(&p, &o, r, u, x)) goto end;
   if (!options->json && o.prove)
     print_proved(&o.proved);
   else if (!options->json)
@@ -441,10 +451,11 @@ static int solve_file(const char *path, const solve_options *options) {
     (void)complain("--plan, --without, --explain: are for contact problems");
   else if (s->facets)
     (void)complain("--facets: is for contact problems and lemke");
-  else if (options->print || options->csv || options->prove)
-    (void)complain("--%s: is for contact problems", options->print ? "print"
-                                                    : options->csv ? "csv"
-                                                                   : "prove");
+  else if (options->print || options->csv || options->prove || s->forces)
+    (void)complain("--%s: is for contact problems", options->print   ? "print"
+                                                    : options->csv   ? "csv"
+                                                    : options->prove ? "prove"
+                                                                     : "forces");
   else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
     result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
   dls_text_destroy(text);
@@ -452,6 +463,13 @@ static int solve_file(const char *path, const solve_options *options) {
 }
 
 /* ---- options --------------------------------------------------------------------------------- */
+
+static taken parse_forces(const char *text, dls_forces *forces) {
+  *forces = strcmp(text, "least") == 0 ? DLS_FORCES_LEAST : DLS_FORCES_ANY;
+  if (*forces == DLS_FORCES_LEAST || strcmp(text, "any") == 0) return OPTION_TAKEN;
+  complain("--forces: '%s' is neither any nor least", text);
+  return OPTION_WRONG;
+}
 
 static taken take_solve_option(int key, const char *text, void *data) {
   solve_options *o = data;
@@ -482,6 +500,8 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->solver.settings.without = text;
   else if (key == KEY_EXPLAIN)
     o->explain = 1;
+  else if (key == KEY_FORCES)
+    return parse_forces(text, &o->solver.settings.forces);
   else
     return OPTION_UNKNOWN;
   return OPTION_TAKEN;
@@ -503,6 +523,7 @@ int command_solve(int argc, char **argv) {
                                           VALUE("plan", KEY_PLAN),
                                           VALUE("without", KEY_WITHOUT),
                                           FLAG("explain", KEY_EXPLAIN),
+                                          VALUE("forces", KEY_FORCES),
                                           LAST_OPTIONS};
   static const command solve = {SOLVER_KEYS "f:o:H:P:p", options, solve_usage, take_solve_option,
                                 0};
@@ -524,9 +545,9 @@ int command_solve(int argc, char **argv) {
   if (steps && (o.lcp || o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
     return complain("--plan, --without, --explain: are for auto");
   if (o.print && o.json) return complain("--print, --json: one of the two");
-  if (o.lcp && (named || o.print || o.csv || o.prove))
-    return complain(
-        "--lcp: goes without --W, --stiffness, --flexibility, --print, --csv and --prove");
+  if (o.lcp && (named || o.print || o.csv || o.prove || o.solver.settings.forces))
+    return complain("--lcp: goes without --W, --stiffness, --flexibility, --print, --csv, --prove "
+                    "and --forces");
   const char *path = named ? named : argv[optind];
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;

@@ -35,6 +35,11 @@ enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);
 
+/* state (nc) := those of the positions u, u_n and |u_t| up to `close` being 0: contacts that touch
+ * and do not slip stick, whether they carry a reaction or not. */
+void dlsi_contact_touch(const dls_contact *problem, const double *u, double close,
+                        dls_contact_state *state);
+
 /* Returns how near to another state a contact is on the border of both: a share of the largest
  * entry of w r and u, 10 times the residual at least. w: weights of the certificate. */
 double dlsi_border_width(const dls_contact *problem, const double *w, const double *r,

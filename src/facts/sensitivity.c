@@ -122,7 +122,19 @@ static double touching_q(const sensitivity_work *work) {
   return q;
 }
 
-/* ---- the call -------------------------------------------------------------------------------- */
+/* Returns the rank of A, but for rounding; A: lost. value, lapack, room: as above. */
+static int sensitivity_rank(sensitivity_work *work, double *A, double *value, double *lapack,
+                            int room) {
+  const int n = work->rows;
+  int rank = 0;
+  sensitivity_fill(work, -0.5, -0.5, A, lapack);
+  const int ok = sensitivity_singular_values(n, A, value, lapack, room);
+  for (int i = 0; ok && i < n; i++)
+    rank += value[i] > 4 * n * DBL_EPSILON * value[0];
+  return rank;
+}
+
+/* ---- the calls ------------------------------------------------------------------------------- */
 
 /* Fills all of *s from the certificate and the rows. A: rows x rows. value: m. lapack: 8 m. */
 static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c, double *A,
@@ -130,15 +142,8 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   const int n = work->rows, room = 8 * (int)m;
   const double size_r = dlsi_norm2(work->r, m);
-  s->rows = s->rank = n;
-  if (n) {
-    sensitivity_fill(work, -0.5, -0.5, A, lapack);
-    const int ok = sensitivity_singular_values(n, A, value, lapack, room);
-    const double noise = 4 * n * DBL_EPSILON * value[0];
-    s->rank = 0;
-    for (int i = 0; ok && i < n; i++)
-      s->rank += value[i] > noise;
-  }
+  s->rows = n;
+  s->rank = n ? sensitivity_rank(work, A, value, lapack, room) : 0;
   s->isolated = s->border ? -1 : s->rank == n;
   if (s->rank < n)
     s->amplification = s->amplification_r = INFINITY;
@@ -249,46 +254,56 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
   return error;
 }
 
+void dlsi_contact_touch(const dls_contact *problem, const double *u, double close,
+                        dls_contact_state *state) {
+  for (int c = 0; c < problem->nc; c++) {
+    const double *uc = u + (size_t)problem->d * (size_t)c;
+    const int slips = problem->mu[c] > 0 && dlsi_tangent_norm(problem->d, uc) > close;
+    state[c] = uc[0] > close ? DLS_FREE : slips ? DLS_SLIP : DLS_STICK;
+  }
+}
+
+/* Does the work of both calls; the one not asked for has NULL. */
 static dls_status sensitivity_run(const dls_contact *problem, const double *r,
-                                  dls_sensitivity *sensitivity, dls_error *error) {
-  dls_status status = dlsi_check_contact(problem, error);
-  if (status) return status;
+                                  dls_sensitivity *sensitivity, int *freedom, dls_error *error) {
   const size_t nc = (size_t)problem->nc, m = (size_t)problem->d * nc;
-  status = dlsi_check_vector("r", r, m, error);
-  if (status) return status;
-  if (!sensitivity) return dlsi_is_null(error, "sensitivity");
   if (m > INT_MAX / 8) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is too large");
   sensitivity_work work = {.problem = problem, .r = r};
   dls_certificate certificate;
-  dls_sensitivity s = {0};
   double *memory = dlsi_alloc(2 * nc + 11 * m, sizeof *memory), *A = NULL;
   work.state = dlsi_alloc(nc, sizeof *work.state);
   work.branch = dlsi_alloc(nc, sizeof *work.branch);
   work.row = dlsi_alloc(m, sizeof *work.row);
-  status = memory && work.state && work.branch && work.row ? DLS_OK : dlsi_no_memory(error);
+  dls_status status =
+      memory && work.state && work.branch && work.row ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     work.w = memory;
     work.u = memory + 2 * nc;
     work.x = work.u + m;
     status = dls_contact_certify(problem, r, work.u, &certificate, error);
   }
-  if (!status) status = dls_contact_states(problem, r, work.u, work.state, error);
+  if (!status && sensitivity) status = dls_contact_states(problem, r, work.u, work.state, error);
   if (!status) {
     const int d = problem->d;
     dlsi_certificate_weights(problem, work.w);
     const double close = dlsi_border_width(problem, work.w, r, work.u, certificate.residual);
-    for (int c = 0; c < problem->nc; c++)
+    if (freedom) dlsi_contact_touch(problem, work.u, close, work.state);
+    dls_sensitivity s = {0};
+    for (int c = 0; sensitivity && c < problem->nc; c++)
       s.border += work.state[c] != dlsi_border_state(d, problem->mu[c], work.state[c],
                                                      work.w + 2 * (size_t)c, r + d * c,
                                                      work.u + d * c, close);
     work.rows = dlsi_branches_set(problem, work.state, r, work.u, work.branch);
     const size_t n = (size_t)work.rows;
+    double *value = work.x + m, *lapack = value + m;
     A = dlsi_alloc(n, n * sizeof *A);
     if (!A) status = dlsi_no_memory(error);
-  }
-  if (!status) {
-    sensitivity_measure(&work, &certificate, A, work.x + m, work.x + 2 * m, &s);
-    *sensitivity = s;
+    if (!status && sensitivity) {
+      sensitivity_measure(&work, &certificate, A, value, lapack, &s);
+      *sensitivity = s;
+    }
+    if (!status && freedom)
+      *freedom = n ? work.rows - sensitivity_rank(&work, A, value, lapack, 8 * (int)m) : 0;
   }
   free(A);
   free(memory);
@@ -298,13 +313,29 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
   return status;
 }
 
+/* name: of the argument asked for. */
+static dls_status sensitivity_call(const dls_contact *problem, const double *r, const char *name,
+                                   dls_sensitivity *sensitivity, int *freedom, dls_error *error) {
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_check_blas(error);
+  if (!status) status = dlsi_check_contact(problem, error);
+  if (!status) status = dlsi_check_vector("r", r, (size_t)problem->d * (size_t)problem->nc, error);
+  if (!status && !sensitivity && !freedom) status = dlsi_is_null(error, name);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
+  if (!status) status = sensitivity_run(problem, r, sensitivity, freedom, error);
+  dlsi_formed_free(&formed);
+  return status;
+}
+
 dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
                                    dls_sensitivity *sensitivity, dls_error *error) {
   DLSI_DOOR;
-  dlsi_formed formed = {.work = NULL};
-  dls_status status = dlsi_check_blas(error);
-  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
-  if (!status) status = sensitivity_run(problem, r, sensitivity, error);
-  dlsi_formed_free(&formed);
-  return dlsi_at(__func__, status, error);
+  return dlsi_at(__func__, sensitivity_call(problem, r, "sensitivity", sensitivity, NULL, error),
+                 error);
+}
+
+dls_status dls_contact_freedom(const dls_contact *problem, const double *r, int *freedom,
+                               dls_error *error) {
+  DLSI_DOOR;
+  return dlsi_at(__func__, sensitivity_call(problem, r, "freedom", NULL, freedom, error), error);
 }

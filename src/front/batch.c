@@ -50,7 +50,7 @@ static dls_status batch_look(batch *all, int k, dls_error *error) {
 
 static int batch_has_lanes(const dls_solver_settings *s) {
   const dls_limits *limits = &s->limits;
-  return s->method == DLS_AUTO && !s->plan && !s->without && !limits->warm_start &&
+  return s->method == DLS_AUTO && !s->plan && !s->without && !s->forces && !limits->warm_start &&
          !limits->progress && !limits->max_iterations && !(limits->cpu_seconds > 0);
 }
 

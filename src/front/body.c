@@ -256,6 +256,7 @@ static void add_outcome(dls_info *all, const dls_info *on_K, dls_status status) 
   all->certificate = on_K->certificate;
   all->error = 0;
   all->unique = DLS_UNIQUE_UNKNOWN;
+  all->forces = DLS_FORCES_ANY;
 }
 
 /* What was said of other answers to W holds beside a certified answer alone. */
@@ -296,9 +297,12 @@ static dls_status check_on_K(const dlsi_reduced *of, const double *mu,
   if (settings->method != DLS_AUTO)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "method", -1, settings->method,
                      "needs W; this reduction solves on K, by method auto");
-  if (settings->plan || settings->without)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, settings->plan ? "plan" : "without", -1, 0,
-                     "needs W; this reduction solves on K");
+  const char *of_W = settings->plan      ? "plan"
+                     : settings->without ? "without"
+                     : settings->forces  ? "forces"
+                                         : NULL;
+  if (of_W)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, of_W, -1, 0, "needs W; this reduction solves on K");
   return dlsi_check_friction(mu, (size_t)of->H->candidates, error);
 }
 

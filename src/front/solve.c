@@ -9,6 +9,7 @@
 #include "auto/auto.h"
 #include "delassus/facets.h"
 #include "facts/facts.h"
+#include "facts/least.h"
 #include "front/front.h"
 
 struct dls_solver {
@@ -20,6 +21,7 @@ struct dls_solver {
   void *work;         /* of the method */
   dlsi_formed formed; /* W of bodies by blocks, for methods that want them */
   double *room;       /* of the prediction of the error; NULL: none is made, or auto makes it */
+  dlsi_least *least;  /* NULL: not asked for */
 };
 
 int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
@@ -43,8 +45,9 @@ void dls_solver_settings_init(dls_solver_settings *settings) {
 
 dls_status dlsi_solver_check(const dls_solver_settings *s, dls_error *error) {
   const dlsi_setting own[] = {{"positive_definite", s->positive_definite, 0, 1, 0},
-                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_MOMENTUM, 0}};
-  const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
+                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_MOMENTUM, 0},
+                              {"forces", s->forces, 0, DLS_FORCES_LEAST, 0}};
+  const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 3, own, error);
   if (status) return status;
   if (!dlsi_method_of(s->method))
     return dlsi_fail(error, DLS_E_ARGUMENT, "method", -1, s->method, "%d is no method",
@@ -76,10 +79,16 @@ static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *er
   return solver->method->create(&solver->work, solver->d, nc, &options, error);
 }
 
-/* Makes room for the prediction of the error of small problems: m^2 + 2 m + 2 nc doubles. */
+/* Makes room for the least reactions, and for the prediction of the error of small problems: m^2 +
+ * 2 m + 2 nc doubles. */
 static dls_status solver_make_room(dls_solver *solver, dls_error *error) {
   const dls_solver_settings *s = &solver->settings;
   const size_t nc = (size_t)solver->nc, m = (size_t)solver->d * nc;
+  if (s->forces == DLS_FORCES_LEAST && m > 0) {
+    const dls_status status =
+        dlsi_least_create(&solver->least, solver->d, solver->nc, s->limits.blocks, error);
+    if (status) return status;
+  }
   const size_t most = s->limits.blocks ? dlsi_predicted_of_blocks : dlsi_predicted_rows;
   if (s->method == DLS_AUTO || m == 0 || m > most) return DLS_OK;
   solver->room = dlsi_alloc(m * m + 2 * m + 2 * nc, sizeof *solver->room);
@@ -155,6 +164,27 @@ static void solver_tell_last(const dls_limits *limits, double begun, const dls_i
                  info->sweeps + info->iterations, info->certificate.residual, r);
 }
 
+/* Takes a solved r to the least one where that is asked for; info (or NULL) is told. Returns
+ * `solved`, or an error. */
+static dls_status solver_take_least(dls_solver *solver, const dls_contact *problem, double begun,
+                                    dls_status solved, double *r, double *u, dls_info *info,
+                                    dls_error *error) {
+  dls_certificate certificate;
+  int done = 0;
+  if (info) info->forces = DLS_FORCES_ANY;
+  if (!solver->least || (solved != DLS_OK && solved != DLS_TO_ROUNDING)) return solved;
+  dls_status status = dlsi_form_blocks(&solver->formed, &problem, error);
+  if (!status)
+    status = dlsi_least_take(solver->least, problem, &solver->settings.limits, begun, solved, r, u,
+                             &certificate, &done, error);
+  if (status) return status;
+  if (info && done) {
+    info->certificate = certificate;
+    info->forces = DLS_FORCES_LEAST;
+  }
+  return solved;
+}
+
 /* Solves a problem that has been checked. */
 static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                                dls_info *info, dls_error *error) {
@@ -165,10 +195,11 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   dls_status status = DLS_OK;
   if (!solver->method->takes_bodies) status = dlsi_form_blocks(&solver->formed, &problem, error);
   if (!status) status = solver->method->solve(solver->work, problem, r, u, info, error);
+  status = solver_take_least(solver, problem, begun, status, r, u, info, error);
   solver->status = status;
   if (info && (status == DLS_OK || status == DLS_TO_ROUNDING))
     solver_predict(solver, problem, r, info);
-  if (status >= 0 && limits->progress) solver_tell_last(limits, begun, info, r);
+  if (status >= 0 && info && limits->progress) solver_tell_last(limits, begun, info, r);
   return status;
 }
 
@@ -182,7 +213,7 @@ static int is_answered(const dls_solver_settings *s, const dls_contact *problem,
   dls_info own;
   if (!info && limits->progress) info = &own;
   if (dlsi_is_empty(problem, limits, s->method, dls_method_name(s->method), info)) return 1;
-  if (s->method != DLS_AUTO || limits->warm_start || s->plan) return 0;
+  if (s->method != DLS_AUTO || limits->warm_start || s->plan || s->forces) return 0;
   if (!dlsi_alone_solve(problem, limits->tol, r, u, info)) return 0;
   if (limits->progress) solver_tell_last(limits, begun, info, r);
   return 1;
@@ -227,6 +258,7 @@ void dls_solver_destroy(dls_solver *solver) {
   if (!solver) return;
   solver->method->destroy(solver->work);
   dlsi_formed_free(&solver->formed);
+  dlsi_least_destroy(solver->least);
   free(solver->room);
   free(solver);
 }
@@ -252,6 +284,7 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
   if (!status) status = solver_solve(&solver, problem, r, u, info, error);
   if (solver.method) solver.method->destroy(solver.work);
   dlsi_formed_free(&solver.formed);
+  dlsi_least_destroy(solver.least);
   free(solver.room);
   return status;
 }

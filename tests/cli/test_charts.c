@@ -114,6 +114,48 @@ START_TEST(chart_names_the_method_and_writes_its_files) {
 }
 END_TEST
 
+/* Errors are measured from a proved answer: each is at least its radius. */
+START_TEST(chart_proves_its_reference) {
+  ck_assert_int_eq(run("chart -r 1 data/failures/c28-nearly-singular.txt -o @"), 0);
+  const char *proved = strstr(output, ", proved within ");
+  ck_assert_msg(proved != NULL, "%s", output);
+  const double radius = strtod(proved + strlen(", proved within "), NULL);
+  ck_assert(radius > 0 && radius < 1e-10);
+  int rows = 0;
+  for (const char *row = strchr(contents("chart.csv"), '\n'); row; row = strchr(row + 1, '\n')) {
+    double tol, cpu, times, residual, error;
+    int asked, iterations;
+    if (sscanf(row, "\n%*[^,],%lf,solved,%d,%lf,%lf,%d,%lf,%lf", &tol, &asked, &cpu, &times,
+               &iterations, &residual, &error) != 7)
+      continue;
+    rows++;
+    ck_assert_double_ge(error, 0.8 * radius);
+  }
+  ck_assert_int_gt(rows, 20);
+  ck_assert(strstr(contents("chart.gp"), "the proved error in r") != NULL);
+}
+END_TEST
+
+/* One contact that slips, W = 2, mu = 1/2 and r = (1, 1/2): w d r / d q_n = (1, 1/2), d r / d mu =
+ * (0, 1). */
+START_TEST(info_maps_what_reactions_depend_on) {
+  char path[300], arguments[400];
+  (void)snprintf(path, sizeof path, "%s/slip.txt", directory);
+  FILE *file = fopen(path, "w");
+  ck_assert(file && fputs("contact 2 1\nW\n2 0\n0 2\nq -2 -3\nmu 1/2\n", file) >= 0);
+  (void)fclose(file);
+  (void)snprintf(arguments, sizeof arguments, "info %s --sensitivity -o @", path);
+  ck_assert_msg(run(arguments) == 0, "%s", output);
+  ck_assert(shows("\n          0 slip ") && shows(" 0 (1.1)\n"));
+  ck_assert_str_eq(contents("sensitivity.csv"),
+                   "candidate,by,rn_qn,rn_qt,rt_qn,rt_qt\n0,0,1,0,0.5,0\n");
+  ck_assert_str_eq(contents("friction.csv"),
+                   "candidate,state,r_n,r_t,dr_n_dmu,dr_t_dmu\n0,1,1,0.5,0,1\n");
+  ck_assert_int_eq(run("info data/failures/c05-hyperstatic.txt --sensitivity -o @/b"), 2);
+  ck_assert(shows("no derivative"));
+}
+END_TEST
+
 START_TEST(rank_deficient_is_measured_in_u) {
   NEEDS_HDF5;
   ck_assert_int_eq(run("chart -r 1 data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5 -o @"), 0);
@@ -384,6 +426,7 @@ END_TEST
 
 int main(void) {
   return RUN("charts", make_directory, remove_directory, EACH(chart_tells_what_solve_tells, 0, 3),
+             ONCE(chart_proves_its_reference), ONCE(info_maps_what_reactions_depend_on),
              ONCE(chart_names_the_method_and_writes_its_files),
              ONCE(rank_deficient_is_measured_in_u), ONCE(several_answers_are_told),
              ONCE(chart_is_1_where_auto_fails), ONCE(without_gnuplot), ONCE(map_of_friction),

@@ -111,6 +111,33 @@ START_TEST(plans_and_explanations) {
 }
 END_TEST
 
+/* What W does not determine is said beside the reactions, in words, in r.csv and as JSON; --forces
+ * chooses the least: of two contacts that share everything a half each. */
+START_TEST(forces_that_are_not_determined) {
+  static const char all[] = "2 self-stresses: the sum on each body is determined, single reactions "
+                            "are not; ";
+  char text[200];
+  (void)snprintf(text, sizeof text, "\n  %s--forces=least gives the least\n", all);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/c05-hyperstatic.txt"), 0);
+  ck_assert(strstr(output, text) != NULL);
+  (void)snprintf(text, sizeof text, "  %sthese are the least\n", all);
+  ck_assert_int_eq(
+      run("solve " TEST_DATA "/failures/c05-hyperstatic.txt --forces least -q --print"), 0);
+  ck_assert(strstr(output, text) != NULL);
+  ck_assert(strstr(output, "0 stick              0            0.5         -0.125 ") != NULL);
+  ck_assert(strstr(output, "1 stick              0            0.5         -0.125 ") != NULL);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/c05-hyperstatic.txt --forces=least --json"),
+                   0);
+  ck_assert(strstr(output, "\"forces\": \"least\",\n  \"freedom\": 2,") != NULL);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/c04-squeezed.txt --json"), 1);
+  ck_assert(strstr(output, "\"forces\": \"any\",\n  \"freedom\": null,") != NULL);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/c20-scales.txt"), 0);
+  ck_assert(strstr(output, "self-stress") == NULL);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/c20-scales.txt --forces=most"), 2);
+  ck_assert(strstr(output, "--forces: 'most' is neither any nor least") != NULL);
+}
+END_TEST
+
 /* --prove: the last line says what is proved of the answer, or which contact is on a border. */
 START_TEST(proofs) {
   static const char *const last[][2] = {
@@ -842,11 +869,12 @@ END_TEST
 
 int main(void) {
   return RUN(
-      "cli", make_directory, remove_directory, ONCE(help_and_version), ONCE(bad_usage_is_2),
-      ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(names_the_unsettled),
-      ONCE(no_solution_likely_is_1), ONCE(proofs_are_printed), ONCE(scene_writes_its_files),
-      ONCE(scene_on_the_displacements), ONCE(equivalents_of_concentrated_reactions),
-      ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
+      "cli", make_directory, remove_directory, ONCE(forces_that_are_not_determined),
+      ONCE(help_and_version), ONCE(bad_usage_is_2), ONCE(accelerated_scene),
+      ONCE(auto_says_what_it_did), ONCE(names_the_unsettled), ONCE(no_solution_likely_is_1),
+      ONCE(proofs_are_printed), ONCE(scene_writes_its_files), ONCE(scene_on_the_displacements),
+      ONCE(equivalents_of_concentrated_reactions), ONCE(the_sweeps_as_printed),
+      ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
       ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
       ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
       ONCE(files_carry_their_status), ONCE(empty_names_are_2), ONCE(a_full_disk_keeps_old_files),

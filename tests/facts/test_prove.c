@@ -381,6 +381,34 @@ START_TEST(four_legs) {
 }
 END_TEST
 
+/* One contact, W = diag(1, 1, 1/100), mu = 1, q = (-1, -1.05, 0): slips with r = (1, 1, 0). Where
+ * r_t is turned by psi, the law across it is sin(psi) (1.05 - 0.99 cos(psi)) over a cosine. Its
+ * slope is 0.06 at the answer, three times that at psi = 0.3: steps by the slope of their start
+ * stop far from it, and a proof has to know by how much slopes change in its box ((PR4), B). */
+START_TEST(turned_slip) {
+  static model a;
+  static const double answer[3] = {1, 1, 0};
+  int proofs = 0;
+  set_model(&a, 3, 1);
+  a.W[0] = a.W[4] = 1;
+  a.W[8] = 0.01;
+  a.q[0] = -1;
+  a.q[1] = -1.05;
+  a.mu[0] = 1;
+  for (int k = -60; k <= 60; k++) {
+    const double psi = k / 100.0, r[3] = {1, cos(psi), sin(psi)};
+    double improved[3], off = 0;
+    const dls_proof proof = prove(&a.p, r, improved);
+    if (!proof.kind) continue;
+    proofs++;
+    for (int i = 0; i < 3; i++)
+      off = hypot(off, improved[i] - answer[i]);
+    ck_assert_double_le(off, proof.radius * norm_of(improved, 3) * (1 + 1e-9));
+  }
+  ck_assert_int_ge(proofs, 40);
+}
+END_TEST
+
 /* By blocks, of bodies, in other units and with contacts in another order: the same verdict, and
  * radii within a factor of 4. */
 START_TEST(storages_and_units) {
@@ -523,7 +551,7 @@ int main(int argc, char **argv) {
     return RUN("prove", NULL, NULL, ONCE(counted));
   }
   return RUN("prove", NULL, NULL, ONCE(proofs_of_integers), ONCE(proofs_of_planted),
-             EACH(border_of_one, 0, 3), ONCE(border_of_free), ONCE(four_legs),
+             EACH(border_of_one, 0, 3), ONCE(border_of_free), ONCE(four_legs), ONCE(turned_slip),
              EACH(storages_and_units, 0, 12), EACH(storages_and_units, 100, 106),
              ONCE(proofs_of_the_catalogue), ONCE(nearly_singular), ONCE(nothing_wrong));
 }

@@ -51,6 +51,19 @@ class Solve(unittest.TestCase):
         self.assertEqual((s.words, list(s.states), s.status), ("solved", ["slip"], delassus.DLS_OK))
         self.assertLessEqual(s.residual, 1e-8)
 
+    def test_forces(self):
+        # a table on four legs, weight 4: three motions, which each leg feels
+        H = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, 1, -1, -1.0]])
+        for start in (None, [1.5, .5, .5, 1.5]):
+            s = delassus.solve(H.T @ H, [-4.0] * 4, d=1, r0=start)
+            self.assertEqual((s.forces, s.freedom), ("any", 1))
+            s = delassus.solve(H.T @ H, [-4.0] * 4, d=1, r0=start, forces="least")
+            self.assertEqual((s.forces, s.freedom), ("least", 1))
+            np.testing.assert_allclose(s.r, np.ones((4, 1)), rtol=1e-9)
+        self.assertEqual(delassus.solve(np.eye(2), [-1.0, 0.0], [0.5]).freedom, 0)
+        with self.assertRaisesRegex(ValueError, "forces is 'most', not one of any, least"):
+            delassus.solve(np.eye(2), [-1.0, 0.0], [0.5], forces="most")
+
     def test_proof(self):
         W, q = coupled(3, 20)
         for a in (W, sp.coo_matrix(W)):

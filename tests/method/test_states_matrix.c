@@ -108,6 +108,48 @@ START_TEST(two_storages) {
 }
 END_TEST
 
+/* (SM3) R = E^T: E^T W E + L and shift_c E^T E, in both storages. */
+START_TEST(symmetric_rows) {
+  chosen x;
+  block_storage B;
+  static double A[2][most * most], column[most];
+  double shift[most];
+  int row[most];
+  choose(&x, _i);
+  const int d = x.a.p.d, nc = x.a.p.nc, m = d * nc;
+  const dls_contact blocks = by_blocks(&x.a, &B);
+  for (int c = 0; c < nc; c++) {
+    x.branch[c].symmetric = 1;
+    shift[c] = c + 1;
+  }
+  dlsi_states_fill(&x.a.p, x.branch, shift, x.n, row, column, A[0]);
+  dlsi_states_fill(&blocks, x.branch, shift, x.n, row, column, A[1]);
+  for (int j = 0; j < x.n; j++) {
+    double y[most] = {0}, e[most] = {0}, v[most] = {0}, z[most];
+    y[j] = 1;
+    dlsi_branches_add_directions(d, nc, x.branch, y, e);
+    dlsi_contact_apply(&x.a.p, e, v);
+    for (int k = 0; k < m; k++) /* shift_c E^T E, and L below */
+      v[k] += shift[k / d] * e[k];
+    dlsi_branches_directions(d, nc, x.branch, v, y);
+    dlsi_branches_rows(d, nc, x.branch, v, z);
+    for (int c = 0; c < nc; c++)
+      if (x.branch[c].state == DLS_SLIP && x.branch[c].count == 2 && x.branch[c].first + 1 == j)
+        y[j] += x.branch[c].l;
+    for (int i = 0; i < x.n; i++) {
+      ck_assert_double_le(fabs(A[0][i + j * x.n] - y[i]), 1e-13 * (1 + fabs(y[i])));
+      ck_assert_double_le(fabs(A[1][i + j * x.n] - y[i]), 1e-13 * (1 + fabs(y[i])));
+      if (i != j) ck_assert_double_le(fabs(z[i] - y[i]), 1e-13 * (1 + fabs(y[i])));
+    }
+    double w[most] = {0}, of[most] = {0};
+    of[j] = 1;
+    dlsi_branches_add_rows(d, nc, x.branch, of, w);
+    for (int k = 0; k < m; k++)
+      ck_assert(w[k] == e[k]); /* R^T = E */
+  }
+}
+END_TEST
+
 /* v.(E y) = (E^T v).y, v.(R^T y) = (R v).y */
 START_TEST(adjoint_products) {
   chosen x;
@@ -187,6 +229,6 @@ END_TEST
 int main(void) {
   return RUN("states_matrix", NULL, NULL, EACH(derivative_of_the_laws, 0, 40),
              EACH(derivative_of_the_laws, normal_models, normal_models + 4),
-             EACH(two_storages, 0, 40), EACH(adjoint_products, 0, 40), EACH(solves, 0, 2),
-             EACH(memory, 0, 2));
+             EACH(symmetric_rows, 0, 40), EACH(two_storages, 0, 40), EACH(adjoint_products, 0, 40),
+             EACH(solves, 0, 2), EACH(memory, 0, 2));
 }

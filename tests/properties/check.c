@@ -99,7 +99,7 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   const int in_own_unit = has_unit(p) || (how->power_W == 0 && how->power_q == 0);
   const int rounded = o->status == DLS_TO_ROUNDING;
   const int judged = (o->status == DLS_OK || rounded) && !how->rows && in_own_unit;
-  const double most = rounded ? 1e-4 : 1e-8;
+  const double most = o->is_proved ? INFINITY : rounded ? 1e-4 : 1e-8;
   if (judged && !is_within(&o->is, how->tol, most, 0)) return NOT_HELD;
   if (judged && !is_within(&o->is, how->tol, most, 1)) return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;

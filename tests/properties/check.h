@@ -52,6 +52,7 @@ typedef struct outcome {
   truth is_true;         /* DLS_OK of a planted problem: of r, by judge_truth */
   int holds;             /* 1: r is a certified answer at the tolerance of the run, with a margin */
   int holds_to_rounding; /* likewise, with floors up to 1e-4 */
+  int is_proved;         /* DLS_TO_ROUNDING: dls_contact_prove proves r */
   int lcp_holds;         /* an LCP's own certificate holds */
   int lcp_proof;         /* DLS_NO_SOLUTION of an LCP: 1 exact for the LCP's own numbers, 0 not */
   int proof;             /* DLS_NO_SOLUTION: 1 exact, 0 not */

@@ -10,6 +10,7 @@
 #include "check.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "delassus/trust.h"
 
 /* The problem as the library gets it. */
 typedef struct room {
@@ -232,6 +233,13 @@ static dls_status solve_contact(room *at, const run *how, outcome *out, double *
   return status;
 }
 
+/* Returns 1 if one solution is proved to lie within 1e-8 of r. */
+static int is_proved(const room *at) {
+  dls_proof proof;
+  if (dls_contact_prove(&at->contact, at->r, &proof, NULL, NULL)) return 0;
+  return proof.kind == DLS_PROVED && proof.error <= 1e-8;
+}
+
 void solve_run(const problem *p, const run *how, const outcome *before, outcome *out) {
   room *at = room_create(p);
   double y[NC_MAX] = {0};
@@ -250,6 +258,7 @@ void solve_run(const problem *p, const run *how, const outcome *before, outcome 
     out->holds = measure_holds(&out->is, how->tol, 0.5, 1e-8, 1);
     out->holds_to_rounding = measure_holds(&out->is, how->tol, 0.5, 1e-4, 1);
   }
+  if (out->status == DLS_TO_ROUNDING && !how->rows) out->is_proved = is_proved(at);
   if (out->status == DLS_OK && !how->rows && p->kind == SOLVABLE)
     judge_truth(p, out->r, fmax(how->tol, 4 * fmax(out->is.floor_u, out->is.floor_r)),
                 how->method == DLS_AUTO, &out->is_true);

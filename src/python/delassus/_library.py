@@ -76,11 +76,13 @@ _USED = {
                   "threads",
     "dls_progress": "method stage iteration max_iterations residual r cpu_seconds last",
     "dls_paced": "progress progress_data seconds next",
-    "dls_solver_settings": "limits size method acceleration facets positive_definite plan without",
+    "dls_solver_settings": "limits size method acceleration facets positive_definite forces plan "
+                           "without",
     "dls_certificate": "residual residual_u residual_r floor_u floor_r penetration adhesion "
                        "cone_violation slip_direction complementarity worst "
                        "equilibrium floor_e unbalanced body",
-    "dls_info": "status method iterations certificate error ambiguous unique stages stage regime",
+    "dls_info": "status method iterations certificate error ambiguous unique stages stage regime "
+                "forces",
     "dls_stage": "method iterations factorisations residual step reason on_copy ahead next "
                  "cpu_seconds",
     "dls_dense": "rows cols ld a",
@@ -197,6 +199,7 @@ _SIGNATURES = {
     "dls_contact_states": (c_int, "ppppp"),
     "dls_contact_misfits": (c_int, "ppppp"),
     "dls_contact_prove": (c_int, "ppppp"),
+    "dls_contact_freedom": (c_int, "pppp"),
     "dls_derive_create": (c_int, "pppip"),
     "dls_derive_create_body": (c_int, "pppppip"),
     "dls_derive_vjp": (c_int, "pppp"),

@@ -16,6 +16,8 @@ from ._library import (Array, Callback, Matrix, Vector, address, call, columns, 
 
 STATES: npt.NDArray[np.str_] = np.array(["free", "slip", "stick"])
 
+FORCES = ("any", "least")
+
 # W: a matrix, or (body, H) of rigid bodies
 Operator = Union[Matrix, Tuple[Array, Array]]
 
@@ -108,6 +110,10 @@ class Solution:
     iterations, method, stages, unique, ambiguous   as in delassus/info.h
     regime       of auto, the kind of the problem: "elastic", "packing", ...
     explain()    what auto did and why, in words
+    forces       "least" where r is the least of the reactions of its positions, else "any"
+    freedom      self-stresses, counted when it is first asked for: above 0, r is one of many, the
+                 sum on each body is determined, single reactions are not; None where a reduction or
+                 a motion solved
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     proof        a Proof of r, computed at its first use from the arrays as they are then; None
                  if a reduction or a motion solved
@@ -134,9 +140,11 @@ class Solution:
         self.unique: bool | None = {constants["DLS_UNIQUE_YES"]: True,
                                     constants["DLS_UNIQUE_NO"]: False}.get(info.unique)
         self.ambiguous: int = info.ambiguous
+        self.forces = FORCES[info.forces]
         self.history = history
         self._source: Tuple[Any, ...] | None = None
         self._proof: Proof | None = None
+        self._freedom: int | None = None
         # side -> Derivative; of a reduction: makes one, or says that the reduction has moved on
         self._derivatives: Dict[int, Derivative] = {}
         self._of_body: Callable[[Solution, int, Derivative | None], Derivative] | None = None
@@ -160,6 +168,16 @@ class Solution:
                 proof.border and (proof.contact, str(STATES[proof.state]),
                                   str(STATES[proof.other])) or None, improved)
         return self._proof
+
+    @property
+    def freedom(self) -> int | None:
+        if self._freedom is None and self._source is not None:
+            problem, kept = _problem(*self._source)
+            count = c_int()
+            call("dls_contact_freedom", byref(problem), address(self.r), byref(count))
+            del kept
+            self._freedom = count.value
+        return self._freedom
 
     def __getstate__(self) -> Dict[str, Any]:  # derivatives own memory of the library
         return {**self.__dict__, "_derivatives": {}, "_of_body": None}
@@ -334,7 +352,8 @@ def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = Non
                   facets: int | None = None, positive_definite: int | None = None,
                   history: bool = False, progress: Callable[[Progress], object] | None = None,
                   threads: int | None = None, plan: str | None = None,
-                  without: str | None = None, timed: bool = False, body: Any = None) -> Solution:
+                  without: str | None = None, timed: bool = False, forces: str = "any",
+                  body: Any = None) -> Solution:
     """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
     dls_reduction_solve is called instead and fills x."""
     settings = structs["dls_solver_settings"]()
@@ -346,6 +365,9 @@ def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = Non
         settings.facets = whole("facets", facets)
     if positive_definite is not None:
         settings.positive_definite = whole("positive_definite", positive_definite)
+    if forces not in FORCES:
+        raise ValueError(f"forces is {forces!r}, not one of {', '.join(FORCES)}")
+    settings.forces = FORCES.index(forces)
     words = [_text(*one) if one[1] is not None else None
              for one in (("plan", plan), ("without", without))]
     settings.plan, settings.without = [word and ctypes.addressof(word) for word in words]
@@ -448,7 +470,7 @@ def solve(W: Operator, q: Array, mu: Array | None = None, d: int | None = None, 
           positive_definite: int | None = None, history: bool = False,
           progress: Callable[[Progress], object] | None = None,
           threads: int | None = None, plan: str | None = None, without: str | None = None,
-          timed: bool = False) -> Solution:
+          timed: bool = False, forces: str = "any") -> Solution:
     """Solves u = W r + q with Coulomb friction; returns a Solution.
 
     W    m x m, lists or numpy (dense) or scipy.sparse (by d x d blocks); (n, t) or (n, t, s) of
@@ -470,6 +492,8 @@ def solve(W: Operator, q: Array, mu: Array | None = None, d: int | None = None, 
     history         True: Solution.history
     progress        function of a Progress; returns True to cancel
     threads         for sweeps over a large W
+    forces          "least": of the reactions of the same positions those with the least sum of
+                    w |r|^2, as symmetric as the problem; "any": those that the method finds
 
     Of auto:
     plan            steps in place of its own, "sweeps:30,newton,homotopy" (delassus/solve.h)
@@ -483,7 +507,7 @@ def solve(W: Operator, q: Array, mu: Array | None = None, d: int | None = None, 
         problem, method=method, tol=tol, max_iterations=max_iterations, cpu_seconds=cpu_seconds,
         r0=r0, acceleration=acceleration, facets=facets, positive_definite=positive_definite,
         history=history, progress=progress, threads=threads,
-        plan=plan, without=without, timed=timed)
+        plan=plan, without=without, timed=timed, forces=forces)
     solution._source = W, q, mu, d
     del kept
     return solution

@@ -204,7 +204,7 @@ class Reduction(Owner):
               positive_definite: int | None = None, history: bool = False,
               progress: Callable[[Progress], object] | None = None,
               threads: int | None = None, plan: str | None = None, without: str | None = None,
-              timed: bool = False) -> Solution:
+              timed: bool = False, forces: str = "any") -> Solution:
         """Loads f and g if one is given, and solves for r and x; options as in solve(). The
         certificate is that of the body (dls_reduction_solve), without springs of held modes."""
         if f is not None or g is not None:
@@ -217,7 +217,7 @@ class Reduction(Owner):
                 problem, method=method, tol=tol, max_iterations=max_iterations,
                 cpu_seconds=cpu_seconds, r0=r0, acceleration=acceleration, facets=facets,
                 positive_definite=positive_definite, history=history, progress=progress,
-                threads=threads, plan=plan, without=without, timed=timed,
+                threads=threads, plan=plan, without=without, timed=timed, forces=forces,
                 body=(self._held, address(mu), x))
         finally:
             self._host.callback.end()

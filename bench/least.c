@@ -1,0 +1,197 @@
+/*
+ * least.c: what the least reactions (dls_solver_settings.forces) cost, and what they are worth.
+ * Writes least.md.
+ *
+ * Sets: tables of 4 to 32 legs and arches of 6 to 60 voussoirs at rest, walls (solvers_scenes.c),
+ * FCLIB files of a directory; of these, problems of up to 600 rows whose reactions are free.
+ * Cost: CPU seconds of dls_solve by auto with DLS_FORCES_LEAST over those without, less 1, each the
+ * least of 5 calls. Orders: |r - r'| / |r| of the contacts as they are and reversed.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "delassus/trust.h"
+#include "solvers_scenes.h"
+
+enum { calls = 5, most_costs = 500, sets = 4, most_rows = 600, most_motions = 180 };
+static const double pi = 3.141592653589793;
+
+typedef struct least_set {
+  const char *name;
+  int problems, least, count; /* not determined; of these solved with the least r; costs */
+  double any, by_least;       /* largest distance of two orders */
+  double cost[most_costs];
+} least_set;
+
+/* Returns the least CPU seconds of solves; r, *info: of the last. */
+static double measure_solve(const dls_contact *p, dls_forces forces, double *r, dls_info *info) {
+  double least = INFINITY;
+  for (int k = 0; k < calls; k++) {
+    dls_solver_settings s;
+    dls_solver_settings_init(&s);
+    s.forces = forces;
+    s.limits.cpu_seconds = 20;
+    const double begun = bench_seconds();
+    if (dls_solve(p, &s, r, NULL, info, NULL)) return NAN;
+    least = fmin(least, bench_seconds() - begun);
+  }
+  return least;
+}
+
+/* Reverses the contacts of x, m. */
+static void reverse(int d, int nc, const double *x, double *y) {
+  for (int c = 0; c < nc; c++)
+    memcpy(y + d * c, x + d * (nc - 1 - c), (size_t)d * sizeof *x);
+}
+
+static double off_by(int m, const double *r, const double *x) {
+  double off = 0, size = 0;
+  for (int i = 0; i < m; i++) {
+    off = hypot(off, r[i] - x[i]);
+    size = hypot(size, r[i]);
+  }
+  return off / size;
+}
+
+static void least_scene(void *data, const scene *s) {
+  least_set *set = data;
+  const dls_contact *p = &s->contact;
+  const int d = p->d, nc = p->nc, m = d * nc;
+  if (!nc || m > most_rows || strcmp(s->set, "global") == 0) return; /* twice the same */
+  const size_t M = (size_t)m;
+  double *r = malloc((4 * M + 2 * M * M + M + (size_t)nc) * sizeof *r);
+  if (!r) return;
+  double *x = r + M, *y = x + M, *z = y + M, *W = z + M, *V = W + M * M, *q = V + M * M;
+  double *mu = q + M;
+  dls_info info;
+  int freedom = 0;
+  dls_contact turned = {.d = d, .nc = nc, .W = {m, m, m, V}, .q = q, .mu = mu};
+  const double any = measure_solve(p, DLS_FORCES_ANY, r, &info);
+  if (any > 0 && !dls_contact_freedom(p, r, &freedom, NULL) && freedom > 0) {
+    set->problems++;
+    const double least = measure_solve(p, DLS_FORCES_LEAST, x, &info);
+    set->least += info.forces == DLS_FORCES_LEAST;
+    if (set->count < most_costs) set->cost[set->count++] = least / any - 1;
+    memset(W, 0, M * M * sizeof *W);
+    for (size_t j = 0; p->W.a && j < M; j++)
+      memcpy(W + j * M, p->W.a + j * (size_t)p->W.ld, M * sizeof *W);
+    if (p->Wb.x && dls_blocks_to_dense(&p->Wb, W, m, NULL)) exit(1);
+    for (int j = 0; j < m; j++)
+      reverse(d, nc, W + (size_t)j * M, V + (size_t)(d * (nc - 1 - j / d) + j % d) * M);
+    reverse(d, nc, p->q, q);
+    reverse(1, nc, p->mu, mu);
+    if (measure_solve(&turned, DLS_FORCES_ANY, y, &info) > 0) {
+      reverse(d, nc, y, z);
+      set->any = fmax(set->any, off_by(m, r, z));
+    }
+    if (measure_solve(&turned, DLS_FORCES_LEAST, y, &info) > 0) {
+      reverse(d, nc, y, z);
+      set->by_least = fmax(set->by_least, off_by(m, x, z));
+    }
+  }
+  free(r);
+}
+
+/* ---- tables and arches ----------------------------------------------------------------------- */
+
+/* W = H^T H and q = H^T f of `motions` rows of H, scaled by M^-1/2. */
+static void judge_rigid(int d, int nc, int motions, const double *H, const double *f,
+                        double friction, least_set *set) {
+  const size_t m = (size_t)d * (size_t)nc, n = (size_t)motions;
+  double *W = calloc(m * m + m + (size_t)nc, sizeof *W), *q = W + m * m, *mu = q + m;
+  if (!W) return;
+  for (size_t i = 0; i < m; i++)
+    for (size_t k = 0; k < n; k++) {
+      q[i] += H[i * n + k] * f[k];
+      for (size_t j = 0; j < m; j++)
+        W[i + j * m] += H[i * n + k] * H[j * n + k];
+    }
+  for (int c = 0; c < nc; c++)
+    mu[c] = friction;
+  const int rows = (int)m;
+  scene s = {.set = "rigid"};
+  s.contact = (dls_contact){.d = d, .nc = nc, .W = {rows, rows, rows, W}, .q = q, .mu = mu};
+  least_scene(set, &s);
+  free(W);
+}
+
+static void judge_table(int legs, least_set *set) {
+  double H[3 * 32 * 6] = {0};
+  static const double f[6] = {0, 0, -1, 0, 0, 0}, turn = 3; /* 1 / sqrt(inertia) */
+  for (int c = 0; c < legs; c++) {
+    const double a = 2 * pi * c / legs, p[3] = {cos(a), sin(a), -1};
+    static const int axis[3] = {2, 0, 1}; /* n, t, s */
+    for (int i = 0; i < 3; i++) {
+      double *h = H + 6 * (3 * c + i);
+      const int e = axis[i];
+      h[e] = 1;
+      h[3 + (e + 2) % 3] = turn * p[(e + 1) % 3] * -1; /* p x e */
+      h[3 + (e + 1) % 3] = turn * p[(e + 2) % 3];
+    }
+  }
+  judge_rigid(3, legs, 6, H, f, 0.5, set);
+}
+
+static void judge_arch(int bodies, least_set *set) {
+  static double H[2 * 122 * most_motions], f[most_motions];
+  const int n = 3 * bodies;
+  const double step = pi / bodies, mass = 0.3 * step, inertia = mass * (0.09 + step * step) / 12;
+  memset(H, 0, sizeof H);
+  for (int b = 0; b < bodies; b++) {
+    f[3 * b] = f[3 * b + 2] = 0;
+    f[3 * b + 1] = -sqrt(mass);
+  }
+  for (int c = 0; c < 2 * (bodies + 1); c++) {
+    const int joint = c / 2;
+    const double a = pi - joint * step, R = c % 2 ? 1.15 : 0.85, p[2] = {R * cos(a), R * sin(a)};
+    for (int side = 0; side < 2; side++) {
+      const int b = joint - side;
+      const double at = pi - (b + 0.5) * step, x = p[0] - cos(at), y = p[1] - sin(at);
+      for (int i = 0; i < 2 && b >= 0 && b < bodies; i++) {
+        const double sign = side ? -1 : 1;
+        const double e[2] = {i ? -cos(a) : sin(a), i ? -sin(a) : -cos(a)};
+        double *h = H + n * (2 * c + i) + 3 * b;
+        h[0] = sign * e[0] / sqrt(mass);
+        h[1] = sign * e[1] / sqrt(mass);
+        h[2] = sign * (x * e[1] - y * e[0]) / sqrt(inertia);
+      }
+    }
+  }
+  judge_rigid(2, 2 * (bodies + 1), n, H, f, 0.7, set);
+}
+
+int main(int argc, char **argv) {
+  static least_set set[sets] = {
+      {.name = "tables"}, {.name = "arches"}, {.name = "walls"}, {.name = "FCLIB"}};
+  const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
+  if (!out) return 1;
+  for (int legs = 4; legs <= 32; legs++)
+    judge_table(legs, &set[0]);
+  for (int bodies = 6; bodies <= 60; bodies += 6)
+    judge_arch(bodies, &set[1]);
+  if (scenes_walls(0, least_scene, &set[2]) ||
+      scenes_files(argc > 3 ? argv[3] : "data/fclib", least_scene, &set[3]))
+    return 1;
+  FILE *page = bench_page(out, "least", "The least reactions", argc, argv);
+  if (!page) return 1;
+  bench_print(page,
+              "\nProblems of up to 600 rows whose reactions are not determined, solved by auto at "
+              "1e-8 with `forces` any and least.\nCost: CPU of the least over that of the solve "
+              "alone. Orders: the largest relative distance of the reactions of the\ncontacts as "
+              "they are and reversed.\n\n"
+              "| set | not determined | the least found | cost, median | largest | orders, any | "
+              "orders, least |\n|---|---|---|---|---|---|---|\n");
+  for (int k = 0; k < sets; k++) {
+    least_set *s = &set[k];
+    if (!s->problems) {
+      bench_print(page, "| %s | 0 | | | | | |\n", s->name);
+      continue;
+    }
+    const double median = bench_median((size_t)s->count, s->cost);
+    bench_print(page, "| %s | %d | %d | %.2f | %.2f | %.0e | %.0e |\n", s->name, s->problems,
+                s->least, median, s->cost[s->count - 1], s->any, s->by_least);
+  }
+  return fclose(page) != 0;
+}
