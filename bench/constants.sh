@@ -1,8 +1,8 @@
 #!/bin/sh
 # constants.sh [NAME...]: what each constant of src/auto/constants.h is worth: build/bench/auto --total with the constant
 # halved and doubled, in a copy of the tree. NAME: as in constants.h without dlsi_auto_; default: all. SEED: of the
-# problems (1). Writes bench/results/constants.md on stdout. An hour of CPU for all; nothing else may run for the last
-# column alone: costs in sweeps are the same in every run.
+# problems (1). Writes bench/results/constants.md to stdout. Half an hour of CPU for all. Costs in sweeps are the same in
+# every run.
 set -eu
 cd "$(dirname "$0")/.."
 names=${*:-$(sed -n 's/^.*dlsi_auto_\([a-z_]*\) *= .*/\1/p' src/auto/constants.h)}
