@@ -283,7 +283,8 @@ check: deps
 	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install check-links check-docs QUICK=--quick
 
 .PHONY: check-build
-check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
+TESTED = all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
+check-build: $(TESTED)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
 
 # the library as it is without HDF5, MUMPS and OpenMP, and the tests of what that changes
@@ -668,7 +669,7 @@ check-debian:
 
 # every command and program of the documents, in a copy of the tree; QUICK=--quick: without the slow ones
 .PHONY: check-docs
-check-docs: all $(F90)
+check-docs: $(TESTED) $(F90)
 	@MAKE='$(MAKE)' PYTHON='$(PYTHON)' python3 tests/docs.py $(BUILD) $(QUICK)
 
 # dead links and file names in the documents of the tree, and as they are installed, with the HTML guide if it is built
