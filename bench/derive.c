@@ -18,10 +18,6 @@
 
 enum { calls = 3, randoms = 36, most_costs = 500, sets = 3, kinds = 5 };
 
-void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
-            const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
-            size_t);
-
 typedef struct derive_set {
   const char *name;
   int problems, solved, without; /* an answer without a derivative */
@@ -84,35 +80,6 @@ static void derive_scene(void *data, const scene *s) {
   free(r);
 }
 
-/* Judges random problem k. */
-static void derive_random(int k, derive_set *set) {
-  uint64_t seed = 2 * (uint64_t)k + 2;
-  scene s = {.set = "random"};
-  const int d = 1 + k % 3, nc = 50 + 450 * (k / 3) / 11, n = d * nc;
-  const size_t m = (size_t)n;
-  double *A = malloc(m * m * sizeof *A), *W = calloc(m * m, sizeof *W);
-  double *q = malloc(m * sizeof *q), *mu = malloc((size_t)nc * sizeof *mu);
-  for (size_t i = 0; A && i < m * m; i++)
-    A[i] = bench_draw(&seed);
-  const double over = 1 / (double)m, zero = 0;
-  if (A && W) dsyrk_("L", "N", &n, &n, &over, A, &n, &zero, W, &n, 1, 1);
-  for (size_t j = 0; W && j < m; j++) {
-    W[j * (m + 1)] += k / 3 % 2 ? 1e-3 : 0.1;
-    for (size_t i = j + 1; i < m; i++)
-      W[j + i * m] = W[i + j * m];
-  }
-  for (size_t i = 0; q && i < m; i++)
-    q[i] = bench_draw(&seed) - (i % (size_t)d == 0 ? 0.3 : 0);
-  for (int c = 0; mu && c < nc; c++)
-    mu[c] = d == 1 ? 0 : 0.45 + 0.35 * bench_draw(&seed);
-  s.contact = (dls_contact){.d = d, .nc = nc, .W = {n, n, n, W}, .q = q, .mu = mu};
-  if (A && W && q && mu) derive_scene(set, &s);
-  free(A);
-  free(W);
-  free(q);
-  free(mu);
-}
-
 /* Writes the row of Jean's block with nx x nx/2 rectangles. */
 static dls_status derive_block(FILE *page, int nx) {
   dls_fe_scene *jean;
@@ -171,7 +138,7 @@ int main(int argc, char **argv) {
   const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
   if (!out) return 1;
   for (int k = 0; k < randoms; k++)
-    derive_random(k, &set[0]);
+    if (scenes_random(k, 50 + 450 * (k / 3) / 11, derive_scene, &set[0])) return 1;
   if (scenes_blocks(0, derive_scene, &set[1]) || scenes_cubes(0, derive_scene, &set[2])) return 1;
   FILE *page = bench_page(out, "derive", "Cost of derivatives", argc, argv);
   if (!page) return 1;

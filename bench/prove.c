@@ -18,10 +18,6 @@
 
 enum { calls = 3, randoms = 300, most_costs = 2000, sets = 6, most_rows = 600 };
 
-void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
-            const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
-            size_t);
-
 typedef struct prove_set {
   const char *name;
   int problems, solved, regular, proved, positions, border; /* of the solved ones */
@@ -80,38 +76,6 @@ static void prove_scene(void *data, const scene *s) {
   free(r);
 }
 
-/* Judges random problem k; nc = 0: drawn, 1 to 300 rows. */
-static void judge_random(int k, int nc, prove_set *set) {
-  uint64_t seed = 2 * (uint64_t)k + 2;
-  scene s = {.set = "random"};
-  const int d = 1 + k % 3;
-  if (!nc) nc = 1 + (int)((bench_draw(&seed) + 1) / 2 * (300 / d));
-  const size_t m = (size_t)d * (size_t)nc;
-  double *A = malloc(m * m * sizeof *A), *W = calloc(m * m, sizeof *W);
-  double *q = malloc(m * sizeof *q), *mu = malloc((size_t)nc * sizeof *mu);
-  (void)snprintf(s.name, sizeof s.name, "%d", k);
-  for (size_t i = 0; A && i < m * m; i++)
-    A[i] = bench_draw(&seed);
-  const int n = (int)m;
-  const double over = 1 / (double)m, zero = 0;
-  if (A && W) dsyrk_("L", "N", &n, &n, &over, A, &n, &zero, W, &n, 1, 1);
-  for (size_t j = 0; A && W && j < m; j++) {
-    W[j * (m + 1)] += k / 3 % 2 ? 1e-3 : 0.1;
-    for (size_t i = j + 1; i < m; i++)
-      W[j + i * m] = W[i + j * m];
-  }
-  for (size_t i = 0; q && i < m; i++)
-    q[i] = bench_draw(&seed) - (i % (size_t)d == 0 ? 0.3 : 0);
-  for (int c = 0; mu && c < nc; c++)
-    mu[c] = d == 1 ? 0 : 0.45 + 0.35 * bench_draw(&seed);
-  s.contact = (dls_contact){.d = d, .nc = nc, .W = {n, n, n, W}, .q = q, .mu = mu};
-  if (A && W && q && mu) prove_scene(set, &s);
-  free(A);
-  free(W);
-  free(q);
-  free(mu);
-}
-
 int main(int argc, char **argv) {
   static prove_set set[sets] = {{.name = "random"},         {.name = "random, 50 to 500 contacts"},
                                 {.name = "FCLIB"},          {.name = "Jean's block"},
@@ -119,9 +83,9 @@ int main(int argc, char **argv) {
   const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
   if (!out) return 1;
   for (int k = 0; k < randoms; k++)
-    judge_random(k, 0, &set[0]);
+    if (scenes_random(k, 0, prove_scene, &set[0])) return 1;
   for (int k = 0; k < 36; k++)
-    judge_random(k, 50 + 450 * (k / 3) / 11, &set[1]);
+    if (scenes_random(k, 50 + 450 * (k / 3) / 11, prove_scene, &set[1])) return 1;
   if (scenes_files(argc > 3 ? argv[3] : "data/fclib", prove_scene, &set[2]) ||
       (argc > 4 && scenes_files(argv[4], prove_scene, &set[3])) ||
       scenes_blocks(0, prove_scene, &set[4]) || scenes_cubes(0, prove_scene, &set[5]))

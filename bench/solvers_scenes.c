@@ -560,3 +560,41 @@ int scenes_walls(int full, scene_fn visit, void *data) {
     result = visit_wall(full, sizes[k][0], sizes[k][1], visit, data);
   return result;
 }
+
+/* ---- random ---------------------------------------------------------------------------------- */
+
+int scenes_random(int k, int nc, scene_fn visit, void *data) {
+  uint64_t seed = 2 * (uint64_t)k + 2;
+  scene s = {.set = "random"};
+  const int d = 1 + k % 3;
+  if (!nc) nc = 1 + (int)((bench_draw(&seed) + 1) / 2 * (300 / d));
+  const int n = d * nc;
+  const size_t m = (size_t)n;
+  const double over = 1 / (double)m, zero = 0;
+  double *A = malloc(m * m * sizeof *A), *W = calloc(m * m, sizeof *W);
+  double *q = malloc(m * sizeof *q), *mu = malloc((size_t)nc * sizeof *mu);
+  const int made = A && W && q && mu;
+  (void)snprintf(s.name, sizeof s.name, "%d", k);
+  for (size_t i = 0; made && i < m * m; i++)
+    A[i] = bench_draw(&seed);
+  if (made) dsyrk_("L", "N", &n, &n, &over, A, &n, &zero, W, &n, 1, 1);
+  for (size_t j = 0; made && j < m; j++) {
+    W[j * (m + 1)] += k / 3 % 2 ? 1e-3 : 0.1;
+    for (size_t i = j + 1; i < m; i++)
+      W[j + i * m] = W[i + j * m];
+  }
+  for (size_t i = 0; made && i < m; i++)
+    q[i] = bench_draw(&seed) - (i % (size_t)d == 0 ? 0.3 : 0);
+  for (int c = 0; made && c < nc; c++)
+    mu[c] = d == 1 ? 0 : 0.45 + 0.35 * bench_draw(&seed);
+  s.contact = (dls_contact){.d = d, .nc = nc, .W = {n, n, n, W}, .q = q, .mu = mu};
+  if (made)
+    visit(data, &s);
+  else
+    fputs("scenes_random: out of memory\n", stderr);
+  free(A);
+  free(W);
+  free(q);
+  free(mu);
+  return made ? 0 : -1;
+}

@@ -4,8 +4,8 @@
  * smaller tolerances as long as the predicted error falls (facts/sensitivity.c).
  *
  *   (AC1)  the error is predicted if W has few large eigenvalues:
- *          (tr S)^2 / |S|^2 < 12, S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the weights of the
- *          certificate. For k equal eigenvalues and no others the left side is k;
+ *          (tr S)^2 / |S|^2 < max(12, m / 16), S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the
+ *          weights of the certificate. For k equal eigenvalues and no others the left side is k;
  *          two bodies on soft springs have 12
  *   (AC2)  in a sequence of warm solves, error / residual of the last predicted answer is used
  *
@@ -44,7 +44,8 @@ static int may_hide(const dlsi_auto *work) {
   for (int b = 0; b < nc && !problem->W.a; b++)
     for (int k = W->p[b]; k < W->p[b + 1]; k++)
       add_block(work, b, W->i[k], W->x + (size_t)(d * d) * (size_t)k, (size_t)d, &trace, &square);
-  return !(trace * trace >= dlsi_auto_directions * square);
+  const double m = (double)d * nc;
+  return !(trace * trace >= fmax(dlsi_auto_directions, m / dlsi_auto_direction_of) * square);
 }
 
 /* Sets info.error, and how much a residual means. Returns the error, -1 where r is not determined,

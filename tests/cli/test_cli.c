@@ -10,6 +10,7 @@
 
 #include "delassus.h"
 #include "failures.h"
+#include "fclib_file.h"
 #include "program.h"
 #include "run.h"
 
@@ -210,13 +211,6 @@ static void expect_rising(const char *file) {
 
 START_TEST(histories_never_run_back) {
   static char names[200][64];
-  static const char *const fclib[] = {"Confeti-ex13-4contact-Fc3D-SBM",
-                                      "CubeH8",
-                                      "FC2D_SliderCrankLagrangian00000",
-                                      "FC3D_Example1",
-                                      "GFC3D_Example0",
-                                      "GFC3D_OneContact",
-                                      "gfc2d_granularflowonwall_00069_00350"};
   const int count = failures_list(TEST_DATA "/failures", names, 200);
   char file[100];
   ck_assert_int_gt(count, 0);
@@ -225,8 +219,8 @@ START_TEST(histories_never_run_back) {
     (void)snprintf(file, sizeof file, "failures/%.63s.txt", names[k]);
     expect_rising(file);
   }
-  for (size_t k = 0; k < sizeof fclib / sizeof fclib[0]; k++) {
-    (void)snprintf(file, sizeof file, "fclib/%s.hdf5", fclib[k]);
+  for (int k = 0; k < fclib_count; k++) {
+    (void)snprintf(file, sizeof file, "fclib/%s.hdf5", fclib_files[k]);
     if (WITH_HDF5) expect_rising(file);
   }
 }

@@ -185,14 +185,6 @@ START_TEST(every_lcp) {
 }
 END_TEST
 
-static const char *const fclib_files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
-                                          "CubeH8",
-                                          "FC2D_SliderCrankLagrangian00000",
-                                          "FC3D_Example1",
-                                          "GFC3D_Example0",
-                                          "GFC3D_OneContact",
-                                          "gfc2d_granularflowonwall_00069_00350"};
-
 /* Reads, reduces where there is a K, solves and recovers. */
 START_TEST(every_file) {
   const char *name = fclib_files[_i];
@@ -466,9 +458,8 @@ START_TEST(helpers_hold_the_host) {
 END_TEST
 
 int main(void) {
-  const int files = (int)(sizeof fclib_files / sizeof fclib_files[0]);
   return RUN("traps", NULL, set_plain, ONCE(every_failure), ONCE(every_lcp),
-             EACH(every_file, 0, files), ONCE(progress_finds_the_host),
+             EACH(every_file, 0, fclib_count), ONCE(progress_finds_the_host),
              ONCE(plain_host_keeps_its_flags), ONCE(solver_finds_the_host), EACH(on_K, 0, 3),
              ONCE(solver_on_K_finds_the_host), ONCE(helpers_hold_the_host));
 }

@@ -4,6 +4,14 @@
 #include <check.h>
 #include <stdio.h>
 
+const char *const fclib_files[fclib_count] = {"Confeti-ex13-4contact-Fc3D-SBM",
+                                              "CubeH8",
+                                              "FC2D_SliderCrankLagrangian00000",
+                                              "FC3D_Example1",
+                                              "GFC3D_Example0",
+                                              "GFC3D_OneContact",
+                                              "gfc2d_granularflowonwall_00069_00350"};
+
 dls_fclib *read_fclib_file(const char *name) {
   char path[200];
   (void)snprintf(path, sizeof path, TEST_DATA "/fclib/%s.hdf5", name);
