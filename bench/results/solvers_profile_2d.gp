@@ -2,11 +2,12 @@ set datafile missing 'NaN'
 set key off
 set grid lc rgb '#d8d8d8'
 set style textbox opaque noborder margins 0.2,0.1
+set encoding utf8
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1800,1100 font ',13' }
   if (type eq 'svg') { set terminal svg size 1800,1100 font ',13' background 'white' }
   set output 'solvers_profile_2d.'.type
-  set multiplot title '59 scenes in 2D: delassus, and dashed Siconos' font ',17' noenhanced
+  set multiplot title "59 scenes in 2D: delassus, and dashed Siconos" font ',17' noenhanced
   set lmargin at screen 0.0500
   set rmargin at screen 0.3153
   set bmargin at screen 0.5750
@@ -26,33 +27,33 @@ do for [type in 'png svg'] {
   set xlabel 'CPU / fastest, at most' offset 0,0.5
   set ylabel 'part of the problems' offset 1,0
   set arrow from screen 0.0500,0.5170 to screen 0.0700,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
-  set label 'auto  59/59' at screen 0.0750,0.5170 left font ',10' noenhanced
+  set label "auto".'  59/59' at screen 0.0750,0.5170 left font ',10' noenhanced
   set arrow from screen 0.0500,0.5010 to screen 0.0700,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label 'newton  57/59' at screen 0.0750,0.5010 left font ',10' noenhanced
+  set label "newton".'  57/59' at screen 0.0750,0.5010 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4850 to screen 0.0700,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
-  set label 'nlgs+anderson  59/59' at screen 0.0750,0.4850 left font ',10' noenhanced
+  set label "nlgs+anderson".'  59/59' at screen 0.0750,0.4850 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4690 to screen 0.0700,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
-  set label 'nlgs  59/59' at screen 0.0750,0.4690 left font ',10' noenhanced
+  set label "nlgs".'  59/59' at screen 0.0750,0.4690 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4530 to screen 0.0700,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  58/59' at screen 0.0750,0.4530 left font ',10' noenhanced
+  set label "admm".'  59/59' at screen 0.0750,0.4530 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4370 to screen 0.0700,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
-  set label 'augmented-lagrangian  58/59' at screen 0.0750,0.4370 left font ',10' noenhanced
+  set label "augmented-lagrangian".'  58/59' at screen 0.0750,0.4370 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4210 to screen 0.0700,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label 'lemke  55/59' at screen 0.0750,0.4210 left font ',10' noenhanced
+  set label "lemke".'  55/59' at screen 0.0750,0.4210 left font ',10' noenhanced
   set arrow from screen 0.1747,0.5170 to screen 0.1947,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label 'best of Siconos  58/59' at screen 0.1997,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  58/59' at screen 0.1997,0.5170 left font ',10' noenhanced
   set arrow from screen 0.1747,0.5010 to screen 0.1947,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label 'Siconos NSGS  58/59' at screen 0.1997,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  58/59' at screen 0.1997,0.5010 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4850 to screen 0.1947,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  0/59' at screen 0.1997,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  0/59' at screen 0.1997,0.4850 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4690 to screen 0.1947,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label 'Siconos ADMM  0/59' at screen 0.1997,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  0/59' at screen 0.1997,0.4690 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4530 to screen 0.1947,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label 'Siconos PROX  0/59' at screen 0.1997,0.4530 left font ',10' noenhanced
+  set label "Siconos PROX".'  0/59' at screen 0.1997,0.4530 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4370 to screen 0.1947,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  44/59' at screen 0.1997,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  44/59' at screen 0.1997,0.4370 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4210 to screen 0.1947,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label 'Siconos Lemke  39/59' at screen 0.1997,0.4210 left font ',10' noenhanced
+  set label "Siconos Lemke".'  39/59' at screen 0.1997,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
        'solvers_profile_2d.dat' index 3 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
        'solvers_profile_2d.dat' index 6 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
@@ -76,19 +77,22 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:1.794e+06]
+  set yrange [0.8:7.884e+05]
   set format y '%g'
   set ytics 10
   set ylabel 'CPU / fastest' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00012' 1, '0.014' 15, '0.067' 29, '0.25' 43, '1.8' 57)
+  set xtics ('0.00012' 1, '0.021' 15, '0.087' 29, '0.32' 43, '1.8' 57)
+  set label "FrictionContactProblem00394" at first 1,6.736 left font ',10' noenhanced front boxed
+  set label "FC2D_SliderCrankLagrangian00000" at first 3,12.74 left font ',10' noenhanced front boxed
+  set label "t3-64-raous-mu1" at first 38,8.033 right font ',10' noenhanced front boxed
+  set label "t3-128-raous-mu1" at first 51,15.2 right font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 4 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 5 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 7 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
       'solvers_profile_2d.dat' index 10 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_2d.dat' index 13 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
-      'solvers_profile_2d.dat' index 14 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#009e73', \
       'solvers_profile_2d.dat' index 16 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_2d.dat' index 17 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_2d.dat' index 19 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
@@ -124,33 +128,33 @@ do for [type in 'png svg'] {
   set xlabel 'CPU / fastest, at most' offset 0,0.5
   set ylabel '' offset 1,0
   set arrow from screen 0.3833,0.5170 to screen 0.4033,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
-  set label 'auto  59/59' at screen 0.4083,0.5170 left font ',10' noenhanced
+  set label "auto".'  59/59' at screen 0.4083,0.5170 left font ',10' noenhanced
   set arrow from screen 0.3833,0.5010 to screen 0.4033,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label 'newton  57/59' at screen 0.4083,0.5010 left font ',10' noenhanced
+  set label "newton".'  57/59' at screen 0.4083,0.5010 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4850 to screen 0.4033,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
-  set label 'nlgs+anderson  59/59' at screen 0.4083,0.4850 left font ',10' noenhanced
+  set label "nlgs+anderson".'  58/59' at screen 0.4083,0.4850 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
-  set label 'nlgs  57/59' at screen 0.4083,0.4690 left font ',10' noenhanced
+  set label "nlgs".'  57/59' at screen 0.4083,0.4690 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  58/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set label "admm".'  59/59' at screen 0.4083,0.4530 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
-  set label 'augmented-lagrangian  58/59' at screen 0.4083,0.4370 left font ',10' noenhanced
+  set label "augmented-lagrangian".'  58/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label 'lemke  55/59' at screen 0.4083,0.4210 left font ',10' noenhanced
+  set label "lemke".'  55/59' at screen 0.4083,0.4210 left font ',10' noenhanced
   set arrow from screen 0.5080,0.5170 to screen 0.5280,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label 'best of Siconos  57/59' at screen 0.5330,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  57/59' at screen 0.5330,0.5170 left font ',10' noenhanced
   set arrow from screen 0.5080,0.5010 to screen 0.5280,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label 'Siconos NSGS  57/59' at screen 0.5330,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  57/59' at screen 0.5330,0.5010 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4850 to screen 0.5280,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  0/59' at screen 0.5330,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  0/59' at screen 0.5330,0.4850 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4690 to screen 0.5280,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label 'Siconos ADMM  0/59' at screen 0.5330,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  0/59' at screen 0.5330,0.4690 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4530 to screen 0.5280,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label 'Siconos PROX  0/59' at screen 0.5330,0.4530 left font ',10' noenhanced
+  set label "Siconos PROX".'  0/59' at screen 0.5330,0.4530 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4370 to screen 0.5280,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  44/59' at screen 0.5330,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  43/59' at screen 0.5330,0.4370 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4210 to screen 0.5280,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label 'Siconos Lemke  39/59' at screen 0.5330,0.4210 left font ',10' noenhanced
+  set label "Siconos Lemke".'  39/59' at screen 0.5330,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
        'solvers_profile_2d.dat' index 45 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
        'solvers_profile_2d.dat' index 48 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
@@ -174,22 +178,25 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:1.161e+06]
+  set yrange [0.8:6.184e+05]
   set format y '%g'
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00012' 1, '0.018' 15, '0.068' 29, '0.25' 43, '1.9' 57)
-  set label 'wall-6x5-push0.3-mu0.3' at first 51,7.336 right font ',10' noenhanced front boxed
-  set label 'FrictionContactProblem00727' at first 52,14.13 right font ',10' noenhanced front boxed
+  set xtics ('0.00011' 1, '0.026' 15, '0.086' 29, '0.36' 43, '3.1' 57)
+  set label "FrictionContactProblem00394" at first 1,6.868 left font ',10' noenhanced front boxed
+  set label "FC2D_SliderCrankLagrangian00000" at first 3,12.84 left font ',10' noenhanced front boxed
+  set label "t3-64-raous-mu1" at first 35,7.973 right font ',10' noenhanced front boxed
+  set label "wall-6x5-push0.3-mu0.3" at first 49,14.91 right font ',10' noenhanced front boxed
+  set label "t3-128-raous-mu1" at first 50,27.89 right font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 46 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 47 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 49 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_2d.dat' index 50 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#56b4e9', \
       'solvers_profile_2d.dat' index 52 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_2d.dat' index 53 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_2d.dat' index 55 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
-      'solvers_profile_2d.dat' index 56 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#009e73', \
       'solvers_profile_2d.dat' index 58 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_2d.dat' index 59 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_2d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
@@ -225,33 +232,33 @@ do for [type in 'png svg'] {
   set xlabel 'CPU / fastest, at most' offset 0,0.5
   set ylabel '' offset 1,0
   set arrow from screen 0.7167,0.5170 to screen 0.7367,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
-  set label 'auto  59/59' at screen 0.7417,0.5170 left font ',10' noenhanced
+  set label "auto".'  59/59' at screen 0.7417,0.5170 left font ',10' noenhanced
   set arrow from screen 0.7167,0.5010 to screen 0.7367,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label 'newton  56/59' at screen 0.7417,0.5010 left font ',10' noenhanced
+  set label "newton".'  56/59' at screen 0.7417,0.5010 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4850 to screen 0.7367,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
-  set label 'nlgs+anderson  58/59' at screen 0.7417,0.4850 left font ',10' noenhanced
+  set label "nlgs+anderson".'  58/59' at screen 0.7417,0.4850 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4690 to screen 0.7367,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
-  set label 'nlgs  57/59' at screen 0.7417,0.4690 left font ',10' noenhanced
+  set label "nlgs".'  57/59' at screen 0.7417,0.4690 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4530 to screen 0.7367,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  58/59' at screen 0.7417,0.4530 left font ',10' noenhanced
+  set label "admm".'  58/59' at screen 0.7417,0.4530 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4370 to screen 0.7367,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
-  set label 'augmented-lagrangian  58/59' at screen 0.7417,0.4370 left font ',10' noenhanced
+  set label "augmented-lagrangian".'  58/59' at screen 0.7417,0.4370 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label 'lemke  55/59' at screen 0.7417,0.4210 left font ',10' noenhanced
+  set label "lemke".'  55/59' at screen 0.7417,0.4210 left font ',10' noenhanced
   set arrow from screen 0.8414,0.5170 to screen 0.8614,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label 'best of Siconos  56/59' at screen 0.8664,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  56/59' at screen 0.8664,0.5170 left font ',10' noenhanced
   set arrow from screen 0.8414,0.5010 to screen 0.8614,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label 'Siconos NSGS  56/59' at screen 0.8664,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  56/59' at screen 0.8664,0.5010 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4850 to screen 0.8614,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  0/59' at screen 0.8664,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  0/59' at screen 0.8664,0.4850 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4690 to screen 0.8614,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label 'Siconos ADMM  0/59' at screen 0.8664,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  0/59' at screen 0.8664,0.4690 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4530 to screen 0.8614,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label 'Siconos PROX  0/59' at screen 0.8664,0.4530 left font ',10' noenhanced
+  set label "Siconos PROX".'  0/59' at screen 0.8664,0.4530 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4370 to screen 0.8614,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  42/59' at screen 0.8664,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  43/59' at screen 0.8664,0.4370 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4210 to screen 0.8614,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label 'Siconos Lemke  39/59' at screen 0.8664,0.4210 left font ',10' noenhanced
+  set label "Siconos Lemke".'  39/59' at screen 0.8664,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
        'solvers_profile_2d.dat' index 87 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
        'solvers_profile_2d.dat' index 90 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
@@ -275,14 +282,18 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:9.123e+05]
+  set yrange [0.8:5.417e+05]
   set format y '%g'
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00012' 1, '0.022' 15, '0.074' 29, '0.28' 43, '2.1' 57)
-  set label 'wall-6x5-push0.3-mu0.3' at first 51,8.478 right font ',10' noenhanced front boxed
-  set label 'FrictionContactProblem00727' at first 55,16.15 right font ',10' noenhanced front boxed
+  set xtics ('0.00012' 1, '0.03' 15, '0.091' 29, '0.39' 43, '4.1' 57)
+  set label "FrictionContactProblem00394" at first 1,6.473 left font ',10' noenhanced front boxed
+  set label "FC2D_SliderCrankLagrangian00000" at first 3,12.03 left font ',10' noenhanced front boxed
+  set label "wall-3x2-push0.3-mu0.3" at first 19,22.36 left font ',10' noenhanced front boxed
+  set label "t3-64-raous-mu1" at first 34,7.451 right font ',10' noenhanced front boxed
+  set label "wall-6x5-push0.3-mu0.3" at first 49,13.85 right font ',10' noenhanced front boxed
+  set label "t3-128-raous-mu1" at first 50,25.74 right font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 88 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 89 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \

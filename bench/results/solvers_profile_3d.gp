@@ -2,11 +2,12 @@ set datafile missing 'NaN'
 set key off
 set grid lc rgb '#d8d8d8'
 set style textbox opaque noborder margins 0.2,0.1
+set encoding utf8
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1800,1100 font ',13' }
   if (type eq 'svg') { set terminal svg size 1800,1100 font ',13' background 'white' }
   set output 'solvers_profile_3d.'.type
-  set multiplot title '59 scenes in 3D: delassus, and dashed Siconos' font ',17' noenhanced
+  set multiplot title "59 scenes in 3D: delassus, and dashed Siconos" font ',17' noenhanced
   set lmargin at screen 0.0500
   set rmargin at screen 0.3153
   set bmargin at screen 0.5750
@@ -26,33 +27,33 @@ do for [type in 'png svg'] {
   set xlabel 'CPU / fastest, at most' offset 0,0.5
   set ylabel 'part of the problems' offset 1,0
   set arrow from screen 0.0500,0.5170 to screen 0.0700,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
-  set label 'auto  59/59' at screen 0.0750,0.5170 left font ',10' noenhanced
+  set label "auto".'  59/59' at screen 0.0750,0.5170 left font ',10' noenhanced
   set arrow from screen 0.0500,0.5010 to screen 0.0700,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label 'newton  58/59' at screen 0.0750,0.5010 left font ',10' noenhanced
+  set label "newton".'  58/59' at screen 0.0750,0.5010 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4850 to screen 0.0700,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
-  set label 'nlgs+anderson  59/59' at screen 0.0750,0.4850 left font ',10' noenhanced
+  set label "nlgs+anderson".'  59/59' at screen 0.0750,0.4850 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4690 to screen 0.0700,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
-  set label 'nlgs  58/59' at screen 0.0750,0.4690 left font ',10' noenhanced
+  set label "nlgs".'  58/59' at screen 0.0750,0.4690 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4530 to screen 0.0700,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  59/59' at screen 0.0750,0.4530 left font ',10' noenhanced
+  set label "admm".'  59/59' at screen 0.0750,0.4530 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4370 to screen 0.0700,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
-  set label 'augmented-lagrangian  59/59' at screen 0.0750,0.4370 left font ',10' noenhanced
+  set label "augmented-lagrangian".'  59/59' at screen 0.0750,0.4370 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4210 to screen 0.0700,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label 'lemke  39/59' at screen 0.0750,0.4210 left font ',10' noenhanced
+  set label "lemke".'  39/59' at screen 0.0750,0.4210 left font ',10' noenhanced
   set arrow from screen 0.1747,0.5170 to screen 0.1947,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label 'best of Siconos  59/59' at screen 0.1997,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  59/59' at screen 0.1997,0.5170 left font ',10' noenhanced
   set arrow from screen 0.1747,0.5010 to screen 0.1947,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label 'Siconos NSGS  56/59' at screen 0.1997,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  57/59' at screen 0.1997,0.5010 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4850 to screen 0.1947,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  57/59' at screen 0.1997,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  57/59' at screen 0.1997,0.4850 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4690 to screen 0.1947,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label 'Siconos ADMM  54/59' at screen 0.1997,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  54/59' at screen 0.1997,0.4690 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4530 to screen 0.1947,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label 'Siconos PROX  49/59' at screen 0.1997,0.4530 left font ',10' noenhanced
+  set label "Siconos PROX".'  49/59' at screen 0.1997,0.4530 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4370 to screen 0.1947,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  0/59' at screen 0.1997,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  0/59' at screen 0.1997,0.4370 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4210 to screen 0.1947,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label 'Siconos Lemke  0/59' at screen 0.1997,0.4210 left font ',10' noenhanced
+  set label "Siconos Lemke".'  0/59' at screen 0.1997,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
        'solvers_profile_3d.dat' index 3 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
        'solvers_profile_3d.dat' index 6 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
@@ -82,8 +83,9 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel 'CPU / fastest' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0026' 15, '0.035' 29, '0.33' 43, '3.9' 57)
-  set label 'CubeH8' at first 1,13.04 left font ',10' noenhanced front boxed
+  set xtics ('1.1e-05' 1, '0.0033' 15, '0.049' 29, '0.59' 43, '4' 57)
+  set label "CubeH8" at first 1,17.47 left font ',10' noenhanced front boxed
+  set label "OneObject-i100000-499" at first 40,8.388 right font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 4 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 5 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -125,33 +127,33 @@ do for [type in 'png svg'] {
   set xlabel 'CPU / fastest, at most' offset 0,0.5
   set ylabel '' offset 1,0
   set arrow from screen 0.3833,0.5170 to screen 0.4033,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
-  set label 'auto  59/59' at screen 0.4083,0.5170 left font ',10' noenhanced
+  set label "auto".'  59/59' at screen 0.4083,0.5170 left font ',10' noenhanced
   set arrow from screen 0.3833,0.5010 to screen 0.4033,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label 'newton  58/59' at screen 0.4083,0.5010 left font ',10' noenhanced
+  set label "newton".'  58/59' at screen 0.4083,0.5010 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4850 to screen 0.4033,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
-  set label 'nlgs+anderson  58/59' at screen 0.4083,0.4850 left font ',10' noenhanced
+  set label "nlgs+anderson".'  59/59' at screen 0.4083,0.4850 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
-  set label 'nlgs  56/59' at screen 0.4083,0.4690 left font ',10' noenhanced
+  set label "nlgs".'  56/59' at screen 0.4083,0.4690 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  59/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set label "admm".'  59/59' at screen 0.4083,0.4530 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
-  set label 'augmented-lagrangian  59/59' at screen 0.4083,0.4370 left font ',10' noenhanced
+  set label "augmented-lagrangian".'  59/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label 'lemke  39/59' at screen 0.4083,0.4210 left font ',10' noenhanced
+  set label "lemke".'  39/59' at screen 0.4083,0.4210 left font ',10' noenhanced
   set arrow from screen 0.5080,0.5170 to screen 0.5280,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label 'best of Siconos  59/59' at screen 0.5330,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  59/59' at screen 0.5330,0.5170 left font ',10' noenhanced
   set arrow from screen 0.5080,0.5010 to screen 0.5280,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label 'Siconos NSGS  53/59' at screen 0.5330,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  54/59' at screen 0.5330,0.5010 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4850 to screen 0.5280,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  55/59' at screen 0.5330,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  55/59' at screen 0.5330,0.4850 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4690 to screen 0.5280,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label 'Siconos ADMM  53/59' at screen 0.5330,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  53/59' at screen 0.5330,0.4690 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4530 to screen 0.5280,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label 'Siconos PROX  49/59' at screen 0.5330,0.4530 left font ',10' noenhanced
+  set label "Siconos PROX".'  49/59' at screen 0.5330,0.4530 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4370 to screen 0.5280,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  0/59' at screen 0.5330,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  0/59' at screen 0.5330,0.4370 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4210 to screen 0.5280,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label 'Siconos Lemke  0/59' at screen 0.5330,0.4210 left font ',10' noenhanced
+  set label "Siconos Lemke".'  0/59' at screen 0.5330,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
        'solvers_profile_3d.dat' index 45 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
        'solvers_profile_3d.dat' index 48 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
@@ -181,13 +183,12 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0026' 15, '0.045' 29, '0.68' 43, '6.5' 57)
-  set label 'CubeH8' at first 1,13.02 left font ',10' noenhanced front boxed
+  set xtics ('1.1e-05' 1, '0.0034' 15, '0.057' 29, '1' 43, '6.4' 57)
+  set label "CubeH8" at first 1,17.5 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 46 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 47 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 49 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
-      'solvers_profile_3d.dat' index 50 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#56b4e9', \
       'solvers_profile_3d.dat' index 52 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 53 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 55 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
@@ -225,33 +226,33 @@ do for [type in 'png svg'] {
   set xlabel 'CPU / fastest, at most' offset 0,0.5
   set ylabel '' offset 1,0
   set arrow from screen 0.7167,0.5170 to screen 0.7367,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
-  set label 'auto  59/59' at screen 0.7417,0.5170 left font ',10' noenhanced
+  set label "auto".'  59/59' at screen 0.7417,0.5170 left font ',10' noenhanced
   set arrow from screen 0.7167,0.5010 to screen 0.7367,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label 'newton  58/59' at screen 0.7417,0.5010 left font ',10' noenhanced
+  set label "newton".'  58/59' at screen 0.7417,0.5010 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4850 to screen 0.7367,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
-  set label 'nlgs+anderson  58/59' at screen 0.7417,0.4850 left font ',10' noenhanced
+  set label "nlgs+anderson".'  59/59' at screen 0.7417,0.4850 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4690 to screen 0.7367,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
-  set label 'nlgs  55/59' at screen 0.7417,0.4690 left font ',10' noenhanced
+  set label "nlgs".'  55/59' at screen 0.7417,0.4690 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4530 to screen 0.7367,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  58/59' at screen 0.7417,0.4530 left font ',10' noenhanced
+  set label "admm".'  58/59' at screen 0.7417,0.4530 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4370 to screen 0.7367,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
-  set label 'augmented-lagrangian  59/59' at screen 0.7417,0.4370 left font ',10' noenhanced
+  set label "augmented-lagrangian".'  59/59' at screen 0.7417,0.4370 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label 'lemke  39/59' at screen 0.7417,0.4210 left font ',10' noenhanced
+  set label "lemke".'  39/59' at screen 0.7417,0.4210 left font ',10' noenhanced
   set arrow from screen 0.8414,0.5170 to screen 0.8614,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label 'best of Siconos  59/59' at screen 0.8664,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  59/59' at screen 0.8664,0.5170 left font ',10' noenhanced
   set arrow from screen 0.8414,0.5010 to screen 0.8614,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label 'Siconos NSGS  53/59' at screen 0.8664,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  52/59' at screen 0.8664,0.5010 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4850 to screen 0.8614,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  44/59' at screen 0.8664,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  42/59' at screen 0.8664,0.4850 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4690 to screen 0.8614,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label 'Siconos ADMM  47/59' at screen 0.8664,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  45/59' at screen 0.8664,0.4690 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4530 to screen 0.8614,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label 'Siconos PROX  31/59' at screen 0.8664,0.4530 left font ',10' noenhanced
+  set label "Siconos PROX".'  31/59' at screen 0.8664,0.4530 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4370 to screen 0.8614,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  0/59' at screen 0.8664,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  0/59' at screen 0.8664,0.4370 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4210 to screen 0.8614,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label 'Siconos Lemke  0/59' at screen 0.8664,0.4210 left font ',10' noenhanced
+  set label "Siconos Lemke".'  0/59' at screen 0.8664,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
        'solvers_profile_3d.dat' index 87 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
        'solvers_profile_3d.dat' index 90 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
@@ -281,13 +282,12 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0026' 15, '0.053' 29, '0.78' 43, '9.5' 57)
-  set label 'CubeH8' at first 1,13.46 left font ',10' noenhanced front boxed
+  set xtics ('1.1e-05' 1, '0.0033' 15, '0.056' 29, '1' 43, '9.8' 57)
+  set label "CubeH8" at first 1,17.45 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 88 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 89 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 91 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
-      'solvers_profile_3d.dat' index 92 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#56b4e9', \
       'solvers_profile_3d.dat' index 94 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 95 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 97 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
