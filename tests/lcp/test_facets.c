@@ -486,7 +486,7 @@ START_TEST(units_do_not_change_the_path) {
 }
 END_TEST
 
-START_TEST(fclib_files) {
+START_TEST(files_in_3d) {
   const char *name[] = {"FC3D_Example1", "Confeti-ex13-4contact-Fc3D-SBM"};
   for (int k = 0; k < 2; k++) {
     dls_fclib *file = read_fclib_file(name[k]);
@@ -661,7 +661,7 @@ int main(void) {
              ONCE(random_problems_to_rounding), ONCE(few_newton_steps),
              ONCE(newton_on_a_singular_matrix), ONCE(large_friction),
              ONCE(rotated_tangents_same_answer), ONCE(units_do_not_change_the_path),
-             ONCE(fclib_files), ONCE(limit_and_cancellation_are_not_polished_away),
+             ONCE(files_in_3d), ONCE(limit_and_cancellation_are_not_polished_away),
              ONCE(solver_is_reused_and_allocates_nothing), ONCE(every_failing_malloc_unwinds),
              ONCE(sizes), ONCE(bad_input_is_named));
 }
