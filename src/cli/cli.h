@@ -231,7 +231,7 @@ typedef struct quoted {
 } quoted;
 quoted quote(text_kind kind, const char *text);
 
-/* ---- report.c -------------------------------------------------------------------------------- */
+/* ---- messages.c ------------------------------------------------------------------------------ */
 
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -331,7 +331,7 @@ int unsettled_find(unsettled *to, const dls_contact *contact, const double *r, c
 /* Prints nothing if count is 0. */
 void unsettled_print(const unsettled *from);
 
-/* ---- report.c, outcomes ---------------------------------------------------------------------- */
+/* ---- messages.c, outcomes -------------------------------------------------------------------- */
 
 /* The summary of a run, in text and in JSON. */
 typedef struct outcome {

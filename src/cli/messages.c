@@ -1,4 +1,4 @@
-/* report.c: prints messages, JSON and progress on a terminal, and listens to signals. */
+/* messages.c: prints messages, JSON and progress on a terminal, and listens to signals. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <float.h>
