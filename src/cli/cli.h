@@ -25,6 +25,7 @@ int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_moving(int argc, char **argv);
 int command_converge(int argc, char **argv);
+int command_report(int argc, char **argv);
 
 enum { PATH_ROOM = 4096 }; /* of a path */
 
@@ -62,6 +63,11 @@ int names_a_scene(const char *name);
 int no_scene(const char *name);
 
 /* ---- json.c ---------------------------------------------------------------------------------- */
+
+/* Cuts a line of CSV into at most MOST_FIELDS fields in place; returns their number. A field in
+ * quotes may hold commas, and "" for a quote. */
+enum { MOST_FIELDS = 24, LONGEST_LINE = 8192 };
+int cut_fields(char *line, char **field);
 
 /* Begins the object that --json prints: its title, status and, where it is not NULL, why. */
 void print_json_head(const char *title, const char *status, const char *why);
@@ -219,7 +225,8 @@ typedef enum text_kind {
   AS_GNUPLOT, /* a string of gnuplot's, with its quotes, where no format is read (as in tics);
                  controls as blanks */
   AS_CSV,     /* a field; quotes around it where it needs them; controls as blanks */
-  AS_JSON     /* a string, with its quotes */
+  AS_JSON,    /* a string, with its quotes */
+  AS_HTML     /* text between tags, or in quotes within one; controls as blanks */
 } text_kind;
 
 /* Returns the text as it has to stand there, for use within one expression:
@@ -235,6 +242,10 @@ quoted quote(text_kind kind, const char *text);
 
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing. Returns
+ * its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
+int run_command(int (*run)(int argc, char **argv), char **argv, char *why);
 
 /* Returns 1 for DLS_OK and DLS_TO_ROUNDING. */
 int is_solved(dls_status status);
@@ -393,6 +404,11 @@ void end_at_once(int on);
 void progress_end(void);
 /* The same of a reduction, which calls every millisecond: silent with --verbose. */
 int show_reduction(void *data, const dls_progress *progress);
+
+/* ---- scene.c --------------------------------------------------------------------------------- */
+
+/* The tolerance of the scenes of one equilibrium, unless --tol says. */
+extern const double scene_tol;
 
 /* ---- jean.c ---------------------------------------------------------------------------------- */
 

@@ -24,6 +24,7 @@ static void program_usage(FILE *out) {
         "  delassus chart NAME   each method on one problem: accuracy against CPU, a picture\n"
         "  delassus map NAME...  which method works up to which friction: a picture\n"
         "  delassus profile NAME...   each method on many problems: performance profiles\n"
+        "  delassus report NAME...    a page: how accurate, fast and stable, and what is enough\n"
         "\n"
         "  delassus help [COMMAND | methods | scenes]\n"
         "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
@@ -65,10 +66,10 @@ static int run_scene_command(int argc, char **argv) {
 static const struct {
   const char *name;
   int (*run)(int argc, char **argv);
-} commands[] = {{"scene", run_scene_command}, {"converge", command_converge},
-                {"tables", command_tables},   {"solve", command_solve},
-                {"info", command_info},       {"chart", command_chart},
-                {"map", command_map},         {"profile", command_profile}};
+} commands[] = {
+    {"scene", run_scene_command}, {"converge", command_converge}, {"tables", command_tables},
+    {"solve", command_solve},     {"info", command_info},         {"chart", command_chart},
+    {"map", command_map},         {"profile", command_profile},   {"report", command_report}};
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 /* Returns the place of a command, -1 for none. */

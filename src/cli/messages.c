@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <float.h>
+#include <getopt.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -12,13 +13,19 @@
 
 #include "cli.h"
 
+static int loudness, json; /* -1 quiet, 1 verbose; 1: --json */
+static char *complaint;    /* of a command within another one (run_command), or NULL */
+
 int complain(const char *format, ...) {
   char text[QUOTED_ROOM];
   va_list args;
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
-  fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
+  if (complaint)
+    (void)snprintf(complaint, PATH_ROOM, "%s", text);
+  else
+    fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
   return EXIT_BAD_INPUT;
 }
 
@@ -27,7 +34,6 @@ int complain_of(const char *what, const dls_error *error) {
 }
 
 static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
-static int loudness, json;             /* -1 quiet, 1 verbose; 1: --json */
 static volatile sig_atomic_t interrupted;
 static volatile sig_atomic_t ends_at_once; /* 1: there is nothing yet that a signal may not end */
 
@@ -64,7 +70,7 @@ void tell(const char *format, ...) {
 
 /* Prints the last line: "solved" and how well, or why not (NULL where it is solved). */
 static void print_last_line(const char *why, const char *how_well) {
-  if (json) return;
+  if (json || complaint) return;
   const char *no_color = getenv("NO_COLOR");
   const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
   const char *on = !color ? "" : why ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
@@ -72,6 +78,21 @@ static void print_last_line(const char *why, const char *how_well) {
     printf("%snot solved: %s%s\n", on, why, off);
   else
     printf("%ssolved%s%s\n", on, how_well, off);
+}
+
+int run_command(int (*run)(int argc, char **argv), char **argv, char *why) {
+  const int own_loudness = loudness, own_json = json;
+  int argc = 0;
+  while (argv[argc])
+    argc++;
+  why[0] = '\0';
+  complaint = why;
+  optind = 0; /* getopt begins anew */
+  const int result = run(argc, argv);
+  complaint = NULL;
+  loudness = own_loudness;
+  json = own_json;
+  return result;
 }
 
 int is_solved(dls_status status) {

@@ -40,6 +40,9 @@ static void write_form(char form[longest_form], text_kind kind, const char *text
     (void)snprintf(form, longest_form, " ");
   } else if (kind == AS_CSV) {
     if (code == '"') (void)snprintf(form, longest_form, "\"\"");
+  } else if (kind == AS_HTML) {
+    if (code < 0x80 && strchr("&<>\"'", (char)code))
+      (void)snprintf(form, longest_form, "&#%ld;", code);
   } else if (code < 0x80) {
     write_gnuplot(form, text);
   }
@@ -47,7 +50,7 @@ static void write_form(char form[longest_form], text_kind kind, const char *text
 
 /* Returns the mark on both sides of the text. */
 static const char *side_mark(text_kind kind, const char *text) {
-  if (kind == AS_SHOWN) return "";
+  if (kind == AS_SHOWN || kind == AS_HTML) return "";
   if (kind != AS_CSV) return "\"";
   return text[0] == '#' || text[0] == ' ' || text[strcspn(text, ",\"")] ? "\"" : "";
 }

@@ -27,7 +27,7 @@ typedef struct scene_options {
 } scene_options;
 
 /* The tolerance at which Gauss-Seidel and Lemke agree to 1e-10 in r. */
-static const double default_tol = 1e-14;
+const double scene_tol = 1e-14;
 
 static void scene_usage(FILE *out) {
   fputs("Usage: delassus scene [OPTION]... NAME\n"
@@ -40,7 +40,7 @@ static void scene_usage(FILE *out) {
       out,
       ",\n                        or gauss-seidel, on the displacements; or jean, the paper's"
       "\n                        sweeps, which stop at a relative change of 1e-4",
-      default_tol);
+      scene_tol);
   fputs(
       "      --mesh=NXxNY      rectangles along x and y (16x8)\n"
       "      --mu=MU           friction (1; 0.1)\n"
@@ -589,7 +589,7 @@ int command_scene(int argc, char **argv) {
       LAST_OPTIONS};
   static const command scene = {SOLVER_KEYS "wo:s:", options, scene_usage, take_scene_option, 1};
   scene_options o = {0};
-  solver_options_init(&o.solver, default_tol);
+  solver_options_init(&o.solver, scene_tol);
   dls_fe_scene_settings_init(&o.block);
   const int stop = take_options(argc, argv, &scene, &o);
   if (stop != GO_ON) return stop;
