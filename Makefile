@@ -514,6 +514,7 @@ $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -549,7 +550,7 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret
+.PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret bench-report
 FCLIB ?= data/fclib
 bench-prove: $(BUILD)/bench/prove $(PROGRAM)
 	@mkdir -p $(BUILD)/jean
@@ -562,6 +563,9 @@ bench-derive: $(BUILD)/bench/derive
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/derive --out $(RESULTS)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
+
+bench-report: $(BUILD)/bench/report
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/report --out $(RESULTS) $(BENCH)
 
 # ---- demo, install ------------------------------------------------------------------------------
 
@@ -591,7 +595,7 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
-MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile)
+MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile report)
 # problems that the guide solves
 DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 # the pages of the guide; the others are about the source

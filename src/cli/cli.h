@@ -243,8 +243,8 @@ quoted quote(text_kind kind, const char *text);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing. Returns
- * its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
+/* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
+ * Returns its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
 int run_command(int (*run)(int argc, char **argv), char **argv, char *why);
 
 /* Returns 1 for DLS_OK and DLS_TO_ROUNDING. */

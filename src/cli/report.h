@@ -52,7 +52,7 @@ int page_picture(page *p, const char *directory, const char *name, const char *w
 
 /* ---- report_budget.c ------------------------------------------------------------------------- */
 
-enum { MOST_PROBES = 160, LOWEST = -14, HIGHEST = 8, LEVELS = HIGHEST - LOWEST + 1 };
+enum { MOST_PROBES = 250, LOWEST = -14, HIGHEST = 8, LEVELS = HIGHEST - LOWEST + 1 };
 
 /* A run of the scene at a setting. */
 typedef struct probe {

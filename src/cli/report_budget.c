@@ -3,8 +3,9 @@
  * setting that is accurate enough (report.h).
  *
  *   1  run the scene as it is
- *   2  ladders: mesh by sqrt(2), steps by 2, tolerance by 10: coarser ones, then finer ones until the
- *      limit of the ladder is known to a 20th of the accuracy, or its share of the CPU is gone
+ *   2  ladders: mesh by sqrt(2), steps by 2, tolerance by 10: coarser ones, then finer ones
+ *      until the limit of the ladder is known to a 20th of the accuracy, or its share of the CPU
+ *      is gone
  *   3  reference := the limit of the mesh + what the limit of the steps adds
  *   4  predict the error of each (mesh, steps) as the sum of both envelopes: the largest error of
  *      a level and of all finer ones, so that no level passes by luck
@@ -23,22 +24,16 @@
 
 /* Parts of the CPU limit: of a ladder of meshes, of steps, of tolerances; of one candidate. */
 static const double mesh_share = 0.55, steps_share = 0.12, tol_share = 0.06;
-static const double well_known = 0.05;     /* of the accuracy: a limit is not refined further */
-static const double doubted = 0.25;        /* of the accuracy that is left to doubt, at most */
-static const double tol_part = 0.05;       /* of the accuracy that the tolerance may take, ... */
-static const double steps_part = 0.1;      /* ... and the steps on the ladder of meshes */
-static const double slow = 0.01;           /* of the CPU: such a scene tries tolerances coarsely */
-static const double contracts = 1.15;      /* least ratio of differences of a regular ladder */
-static const double loosest_tol = 0.11;    /* a tenth, with its rounding */
-enum { MOST_TRIES = 8, MOST_LEVELS = 12 }; /* of candidates; beyond a ladder, to extrapolate */
+static const double well_known = 0.05;  /* of the accuracy: a limit is not refined further */
+static const double doubted = 0.25;     /* of the accuracy that is left to doubt, at most */
+static const double tol_part = 0.02;    /* of the accuracy that the tolerance may take, ... */
+static const double steps_part = 0.1;   /* ... and the steps on the ladder of meshes */
+static const double slow = 0.01;        /* of the CPU: such a scene tries tolerances coarsely */
+static const double contracts = 1.15;   /* least ratio of differences of a regular ladder */
+static const double loosest_tol = 0.11; /* a tenth, with its rounding */
+enum { MOST_LEVELS = 12, TIGHTER = 2 }; /* beyond a ladder, to extrapolate; digits of tol */
 
 /* ---- runs ------------------------------------------------------------------------------------ */
-
-static int same_setting(const setting *a, const setting *b) {
-  return a->tol == b->tol && a->nx == b->nx && a->ny == b->ny && a->upper == b->upper &&
-         a->steps == b->steps && a->mu == b->mu && a->weighted == b->weighted &&
-         a->penalty == b->penalty && a->clamped == b->clamped && a->mass == b->mass;
-}
 
 static double seconds_left(const budget *b) {
   return b->limit - (cpu_seconds() - b->start);
@@ -47,7 +42,7 @@ static double seconds_left(const budget *b) {
 /* Runs the scene, unless it has run so. Returns the probe; -1 if there is no room or time. */
 static int run_probe(budget *b, const setting *at, const char *part, dls_error *error) {
   for (int k = 0; k < b->probes; k++)
-    if (same_setting(&b->probe[k].at, at)) return k;
+    if (setting_is(&b->probe[k].at, at)) return k;
   if (b->probes == MOST_PROBES || b->status || was_interrupted() || seconds_left(b) <= 0) return -1;
   probe *p = &b->probe[b->probes];
   *p = (probe){.at = *at, .part = part};
@@ -55,27 +50,11 @@ static int run_probe(budget *b, const setting *at, const char *part, dls_error *
   return b->status || was_interrupted() ? -1 : b->probes++;
 }
 
-static int scaled(int count, double factor, int least) {
-  return count ? (int)fmax(least, round(count * factor)) : 0;
-}
-
-/* Returns the setting at levels of mesh, steps and tolerance. */
-static setting at_levels(const budget *b, int mesh, int steps, int tol) {
-  setting at = b->scene->own;
-  const double size = pow(2, 0.5 * mesh);
-  at.nx = scaled(at.nx, size, 2);
-  at.ny = scaled(at.ny, size, 1);
-  at.upper = scaled(at.upper, size, 2);
-  at.steps = scaled(at.steps, pow(2, steps) * (b->scene->dynamic ? size : 1), 1);
-  at.tol = tol ? pow(10, round(log10(at.tol)) - tol) : at.tol;
-  return at;
-}
-
 /* ---- ladders --------------------------------------------------------------------------------- */
 
 static setting at_level(const budget *b, const ladder *l, int level) {
-  return at_levels(b, l == &b->mesh ? level : l->mesh, l == &b->steps ? level : l->steps,
-                   l == &b->tol ? level : l->tol);
+  return setting_scaled(b->scene, l == &b->mesh ? level : l->mesh,
+                        l == &b->steps ? level : l->steps, l == &b->tol ? level : l->tol);
 }
 
 int ladder_probe(const budget *b, const ladder *l, int level) {
@@ -99,7 +78,7 @@ static int ladder_run(budget *b, ladder *l, int up, dls_error *error) {
   const int level = up ? l->high + 1 : l->low - 1;
   if (level < LOWEST || level > HIGHEST) return 0;
   const setting at = at_level(b, l, level), next = at_level(b, l, up ? l->high : l->low);
-  if (same_setting(&at, &next) || at.tol > loosest_tol || (!up && l == &b->mesh && at.nx <= 2))
+  if (setting_is(&at, &next) || at.tol > loosest_tol || (!up && l == &b->mesh && at.nx <= 2))
     return 0;
   const int k = run_probe(b, &at, l->part, error);
   if (k < 0) return 0;
@@ -181,7 +160,7 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
   l->low = 1;
   l->high = 0;
   l->limit = l->order = NAN;
-  if (same_setting(&up, &own)) return; /* the scene has no such part */
+  if (setting_is(&up, &own)) return; /* the scene has no such part */
   const int k0 = run_probe(b, &own, l->part, error);
   if (k0 < 0) return;
   l->low = 0;
@@ -214,6 +193,7 @@ static double within(const budget *b) {
 typedef struct candidate {
   int mesh, steps;
   double error, seconds; /* as predicted */
+  int failed;            /* 1: it is not within the accuracy, as measured */
 } candidate;
 
 static int cheaper(const void *p, const void *q) {
@@ -249,7 +229,8 @@ static int list_candidates(const budget *b, candidate *list) {
     for (int j = b->steps.low > b->steps.high ? 0 : b->steps.low; j <= fmax(0, b->steps.high);
          j++) {
       const double error = ladder_error(b, &b->mesh, i) + ladder_error(b, &b->steps, j);
-      if (error <= b->accuracy) list[count++] = (candidate){i, j, error, foreseen_seconds(b, i, j)};
+      if (error <= b->accuracy)
+        list[count++] = (candidate){i, j, error, foreseen_seconds(b, i, j), 0};
     }
   qsort(list, (size_t)count, sizeof *list, cheaper);
   return count;
@@ -260,7 +241,7 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
   const int steps = b->scene->dynamic ? 0 : 1;
   for (int mesh = 2; mesh > 0; mesh--) {
     if (foreseen_seconds(b, c->mesh + mesh, c->steps + steps) > seconds_left(b)) continue;
-    const setting at = at_levels(b, c->mesh + mesh, c->steps + steps, tol + 1);
+    const setting at = setting_scaled(b->scene, c->mesh + mesh, c->steps + steps, tol + 1);
     return run_probe(b, &at, "check", error);
   }
   return -1;
@@ -268,7 +249,7 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
 
 /* Tries a candidate; returns 1 if it is within the accuracy and its check agrees. */
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
-  const setting at = at_levels(b, c->mesh, c->steps, tol);
+  const setting at = setting_scaled(b->scene, c->mesh, c->steps, tol);
   const int k = run_probe(b, &at, "search", error);
   if (k < 0 || b->probe[k].got.status || budget_error(b, k) > within(b)) return 0;
   const int run = run_check(b, c, tol, error);
@@ -284,20 +265,24 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
   return b->met = error_of <= b->accuracy;
 }
 
-/* Takes the finished run with the least error, and finds by the order of the mesh what would be
- * enough. */
+/* Takes the finest mesh, unless what was tried is better, and finds by the order of the mesh what
+ * would be enough. */
 static void take_the_best(budget *b) {
-  for (int k = 0; k < b->probes && b->take < 0; k++)
-    for (int level = b->mesh.high; level >= b->mesh.low && b->take < 0; level--)
-      b->take = ladder_probe(b, &b->mesh, level);
-  if (b->take < 0) b->take = b->own;
-  b->error = fmax(budget_error(b, b->take), b->doubt);
+  int best = b->own;
+  for (int level = b->mesh.low; level <= b->mesh.high; level++)
+    if (ladder_probe(b, &b->mesh, level) >= 0) best = ladder_probe(b, &b->mesh, level);
+  const double error = fmax(budget_error(b, best), b->doubt);
+  if (b->take < 0 || !(b->error <= error)) {
+    b->take = best;
+    b->check = -1;
+    b->error = error;
+  }
   const double finest = ladder_error(b, &b->mesh, b->mesh.high);
   if (!isfinite(b->mesh.order) || !isfinite(finest)) return;
   const double rest = ladder_error(b, &b->steps, b->mesh.steps);
   for (int more = 1; more <= MOST_LEVELS; more++) {
     if (finest * pow(2, -0.5 * more * b->mesh.order) + rest > within(b)) continue;
-    b->enough = at_levels(b, b->mesh.high + more, b->mesh.steps, b->mesh.tol);
+    b->enough = setting_scaled(b->scene, b->mesh.high + more, b->mesh.steps, b->mesh.tol);
     b->enough_seconds = foreseen_seconds(b, b->mesh.high + more, b->mesh.steps);
     return;
   }
@@ -346,7 +331,7 @@ static void measure(budget *b, dls_error *error) {
   b->tol.mesh = own->got.seconds > slow * b->limit ? -2 : 0;
   ladder_climb(b, &b->tol, tol_share, error);
   b->mesh.part = "mesh";
-  b->mesh.tol = choose_tol(b);
+  b->mesh.tol = (int)fmin(choose_tol(b) + TIGHTER, 0); /* a fine mesh asks for more */
   ladder_climb(b, &b->mesh, mesh_share, error);
   b->reference = isfinite(b->mesh.limit) ? b->mesh.limit : own->got.value;
   b->doubt = isfinite(b->mesh.limit) ? b->mesh.doubt : 0;
@@ -366,12 +351,13 @@ dls_status budget_run(budget *b, dls_error *error) {
   run_variants(b, error);
   measure(b, error);
   static candidate list[LEVELS * LEVELS];
-  const int count = list_candidates(b, list), tol = b->mesh.tol;
-  for (int k = 0, tries = 0; k < count && tries < MOST_TRIES && !b->met; k++) {
-    if (list[k].seconds > seconds_left(b)) break;
-    tries++;
-    if (try_candidate(b, &list[k], tol, error)) break;
+  const int count = list_candidates(b, list), tol = choose_tol(b);
+  for (int k = 0; k < count && !b->met && list[k].seconds < seconds_left(b); k++) {
+    int coarser = 0; /* than one that has failed */
+    for (int i = 0; i < k && !coarser; i++)
+      coarser = list[i].failed && list[k].mesh <= list[i].mesh && list[k].steps <= list[i].steps;
+    list[k].failed = !coarser && !try_candidate(b, &list[k], tol, error);
   }
-  if (!b->met && b->take < 0) take_the_best(b);
+  if (!b->met) take_the_best(b);
   return b->status;
 }

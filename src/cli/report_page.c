@@ -23,7 +23,7 @@ static const char style[] =
     "@media (prefers-color-scheme: dark) {\n"
     "  :root { --ink: #e6e6e6; --paper: #191919; --line: #444; --soft: #242629; --mark: #8ab8f0 }\n"
     "  svg { filter: invert(.9) hue-rotate(180deg) }\n}\n"
-    "body { margin: 0 auto; padding: 1rem; max-width: 62rem; color: var(--ink);\n"
+    "body { margin: 0 auto; padding: 1rem; max-width: 72rem; color: var(--ink);\n"
     "  background: var(--paper); font: 16px/1.5 system-ui, sans-serif }\n"
     "h1 { font-size: 1.4rem; margin: 0 0 .5rem; overflow-wrap: anywhere }\n"
     "h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; padding-top: .5rem;\n"
@@ -41,6 +41,7 @@ static const char style[] =
     "  font-size: .85rem }\n"
     "figure { margin: .8rem 0 } figcaption { font-size: .9rem; opacity: .85 }\n"
     "svg { display: block; width: 100%; height: auto }\n"
+    "@media (max-width: 600px) { th, td { white-space: normal; padding-right: .5rem } }\n"
     "@media print {\n"
     "  :root { --ink: #000; --paper: #fff; --line: #bbb; --soft: #f3f3f3; --mark: #000 }\n"
     "  svg { filter: none; min-width: 0 !important } body { font-size: 11px; max-width: none }\n"
@@ -240,7 +241,7 @@ int page_picture(page *p, const char *directory, const char *name, const char *w
             "<figure><div class=\"wide\"><svg role=\"img\" aria-label=\"%s\" viewBox=\"0 0 %g %g\" "
             "style=\"max-width:%gpx;min-width:%gpx\" xmlns=\"http://www.w3.org/2000/svg\" "
             "xmlns:xlink=\"http://www.w3.org/1999/xlink\">",
-            quote(AS_HTML, words).text, width, height, width, 0.6 * width);
+            quote(AS_HTML, words).text, width, height, width, 0.75 * width);
     write_picture(p, after + 1);
     fprintf(p->html, "</div><figcaption>%s</figcaption></figure>\n", quote(AS_HTML, words).text);
     if (p->text)

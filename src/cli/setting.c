@@ -245,6 +245,27 @@ dls_status scene_run(const scene *s, const setting *at, double limit, scene_answ
   return status;
 }
 
+int setting_is(const setting *a, const setting *b) {
+  return a->tol == b->tol && a->nx == b->nx && a->ny == b->ny && a->upper == b->upper &&
+         a->steps == b->steps && a->mu == b->mu && a->weighted == b->weighted &&
+         a->penalty == b->penalty && a->clamped == b->clamped && a->mass == b->mass;
+}
+
+static int scaled(int count, double factor, int least) {
+  return count ? (int)fmax(least, round(count * factor)) : 0;
+}
+
+setting setting_scaled(const scene *s, int mesh, int steps, int tol) {
+  setting at = s->own;
+  const double size = pow(2, 0.5 * mesh);
+  at.nx = scaled(at.nx, size, 2);
+  at.ny = scaled(at.ny, size, 1);
+  at.upper = scaled(at.upper, size, 2);
+  at.steps = scaled(at.steps, pow(2, steps) * (s->dynamic ? size : 1), 1);
+  at.tol = tol ? pow(10, round(log10(at.tol)) - tol) : at.tol;
+  return at;
+}
+
 /* Writes the parts of a setting with the words of an option before each. */
 static const char *write_setting(const scene *s, const setting *at, int options, char *text,
                                  size_t size) {

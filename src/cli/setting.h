@@ -49,6 +49,13 @@ int scene_find(const char *name, scene *s, dls_status *status, dls_error *error)
 dls_status scene_run(const scene *s, const setting *at, double limit, scene_answer *out,
                      dls_error *error);
 
+/* Returns 1 if both are the same. */
+int setting_is(const setting *a, const setting *b);
+
+/* Returns the scene's own setting with 2^(mesh/2) times the elements along each side, 2^steps times
+ * the steps (of a dynamic scene times 2^(mesh/2) besides), and tol / 10^tol. */
+setting setting_scaled(const scene *s, int mesh, int steps, int tol);
+
 /* Writes the options of `delassus scene` that set `at` ("--mesh=20x20 --steps=100 --tol=1e-04"),
  * and the same in words ("20 x 20, 100 steps, tol 1e-04"), into text (size); returns text. */
 enum { SETTING_ROOM = 160 };
