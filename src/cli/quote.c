@@ -41,8 +41,9 @@ static void write_form(char form[longest_form], text_kind kind, const char *text
   } else if (kind == AS_CSV) {
     if (code == '"') (void)snprintf(form, longest_form, "\"\"");
   } else if (kind == AS_HTML) {
-    if (code < 0x80 && strchr("&<>\"'", (char)code))
-      (void)snprintf(form, longest_form, "&#%ld;", code);
+    const char *name = code == '&' ? "amp" : code == '<' ? "lt" : code == '>' ? "gt" : "quot";
+    if (code < 0x80 && strchr("&<>\"", (char)code))
+      (void)snprintf(form, longest_form, "&%s;", name);
   } else if (code < 0x80) {
     write_gnuplot(form, text);
   }

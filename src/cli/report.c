@@ -95,6 +95,10 @@ static void add_parts(report *a, const dls_contact *contact) {
 
 /* Adds the end; returns the exit status. */
 static int end_page(report *a, const char *directory, int met) {
+  if (a->page.pictures == 0 && !a->options->quick) {
+    page_say(&a->page, PAGE_NOTE, "No pictures: install gnuplot (Debian: gnuplot-nox).");
+    if (!a->parts.scene) (void)complain("no pictures; install gnuplot (Debian: gnuplot-nox)");
+  }
   page_say(&a->page, PAGE_SECTION, "Commands");
   part_commands(&a->parts);
   if (!page_close(&a->page, a->file)) return EXIT_BAD_INPUT;

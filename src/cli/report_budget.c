@@ -12,6 +12,7 @@
  *   5  run those within the accuracy, the cheapest first, until one is within it as measured
  *   6  check: run half the mesh size and twice the steps; where the answers differ by more than the
  *      accuracy, go on with 5
+ *   7  variants of the model at the scene's own setting: friction, weighting, penalty, mass
  *
  * The limit of a ladder is Richardson's where the last three values contract; else the mean of the
  * last three. Steps of a scene in time go with the mesh: their ratio to the element size stays.
@@ -288,36 +289,14 @@ static void take_the_best(budget *b) {
   }
 }
 
-/* ---- variants -------------------------------------------------------------------------------- */
+/* ---- all ------------------------------------------------------------------------------------- */
 
 static void run_variants(budget *b, dls_error *error) {
-  const scene *s = b->scene;
-  const setting own = s->own;
-  setting at = own;
-  if (s->friction) {
-    at.mu = 0;
-    (void)run_probe(b, &at, "no friction", error);
-  }
-  at = own;
-  if (s->kind == KIND_EQUILIBRIUM) {
-    at.weighted = 1;
-    (void)run_probe(b, &at, "weighted reactions", error);
-  }
-  for (int k = 1; s->kind == KIND_FORMING && k <= 2; k++) {
-    at = own;
-    at.penalty = 1000 * k;
-    (void)run_probe(b, &at, k == 1 ? "penalty, factor 1000" : "penalty, factor 2000", error);
-  }
-  at = own;
-  if (own.mass) {
-    at.mass = own.mass == DLS_FE_LUMPED ? DLS_FE_CONSISTENT : DLS_FE_LUMPED;
-    (void)run_probe(b, &at, own.mass == DLS_FE_LUMPED ? "consistent mass" : "lumped mass", error);
-  }
-  if (!strcmp(s->name, dls_forming_name(0))) { /* indentation */
-    at = own;
-    at.clamped = 1;
-    (void)run_probe(b, &at, "bottom clamped", error);
-  }
+  setting at;
+  const char *name;
+  for (int k = 0; (name = setting_variant(b->scene, k, &at)); k++)
+    if (*name && b->probe[b->own].got.seconds < seconds_left(b))
+      (void)run_probe(b, &at, name, error);
 }
 
 /* Climbs all ladders: that of the meshes, the most costly one, with as many steps and as tight a
@@ -348,7 +327,6 @@ dls_status budget_run(budget *b, dls_error *error) {
   b->reference = b->doubt = b->error = b->enough_seconds = NAN;
   b->own = run_probe(b, &b->scene->own, "own", error);
   if (b->own < 0) return b->status;
-  run_variants(b, error);
   measure(b, error);
   static candidate list[LEVELS * LEVELS];
   const int count = list_candidates(b, list), tol = choose_tol(b);
@@ -359,5 +337,6 @@ dls_status budget_run(budget *b, dls_error *error) {
     list[k].failed = !coarser && !try_candidate(b, &list[k], tol, error);
   }
   if (!b->met) take_the_best(b);
+  run_variants(b, error);
   return b->status;
 }

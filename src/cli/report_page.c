@@ -1,6 +1,6 @@
 /*
- * report_page.c: the page of delassus report: one HTML file without a network, and the same as text
- * on stdout. Names and words, which are anybody's bytes, go through quote(); the pictures are
+ * report_page.c: the page of delassus report: one HTML file without a network, well-formed XML besides,
+ * and the same as text on stdout. Names and words, which are anybody's bytes, go through quote(); the pictures are
  * gnuplot's, within the page.
  */
 #define _GNU_SOURCE
@@ -14,9 +14,9 @@ enum { MOST_PICTURE = 280000 }; /* bytes: four pictures and the tables stay belo
 
 /* Colours follow the reader's; pictures are drawn on white and turned in the dark. */
 static const char head[] =
-    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-    "<meta name=\"color-scheme\" content=\"light dark\">\n";
+    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
+    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
+    "<meta name=\"color-scheme\" content=\"light dark\" />\n";
 static const char style[] =
     "<style>\n"
     ":root { --ink: #1a1a1a; --paper: #fff; --line: #d0d0d0; --soft: #f3f5f8; --mark: #0050a0 }\n"
@@ -216,15 +216,25 @@ static char *read_picture(const char *directory, const char *name) {
   return text;
 }
 
+/* Returns 1 if an id of the picture, or a reference to one, follows the character. */
+static int before_id(const char *at) {
+  static const char *const before[] = {" id='", " id=\"", "href='#", "href=\"#", "url(#"};
+  for (int k = 0; k < 5; k++) {
+    const size_t length = strlen(before[k]);
+    if (!strncmp(at + 1 - length, before[k], length)) return 1;
+  }
+  return 0;
+}
+
 /* Writes what follows the first tag of the picture: the ids of gnuplot, which all pictures share,
  * get the number of this one; its title, the same for all, is left out. */
 static void write_picture(const page *p, const char *text) {
   const char *title = strstr(text, "<title>Gnuplot</title>");
   if (title) text = title + strlen("<title>Gnuplot</title>");
-  for (; *text; text++) {
+  for (int in_tag = 0; *text; text++) {
     fputc(*text, p->html);
-    if (strchr("'\"#", *text) && (!strncmp(text + 1, "gp", 2) || !strncmp(text + 1, "gnuplot", 7)))
-      fprintf(p->html, "p%d", p->pictures);
+    in_tag = *text == '<' || (in_tag && *text != '>');
+    if (in_tag && before_id(text)) fprintf(p->html, "p%d", p->pictures);
   }
 }
 

@@ -266,6 +266,33 @@ setting setting_scaled(const scene *s, int mesh, int steps, int tol) {
   return at;
 }
 
+const char *setting_variant(const scene *s, int k, setting *at) {
+  const int lumped = s->own.mass == DLS_FE_LUMPED;
+  *at = s->own;
+  switch (k) {
+  case 0:
+    at->mu = 0;
+    return s->friction ? "no friction" : "";
+  case 1:
+    at->weighted = 1;
+    return s->kind == KIND_EQUILIBRIUM ? "weighted reactions" : "";
+  case 2:
+    at->penalty = 1000;
+    return s->kind == KIND_FORMING ? "penalty, factor 1000" : "";
+  case 3:
+    at->penalty = 2000;
+    return s->kind == KIND_FORMING ? "penalty, factor 2000" : "";
+  case 4:
+    at->clamped = 1;
+    return strcmp(s->name, dls_forming_name(0)) ? "" : "bottom clamped"; /* indentation */
+  case 5:
+    at->mass = lumped ? DLS_FE_CONSISTENT : DLS_FE_LUMPED;
+    return !s->own.mass ? "" : lumped ? "consistent mass" : "lumped mass";
+  default:
+    return NULL;
+  }
+}
+
 /* Writes the parts of a setting with the words of an option before each. */
 static const char *write_setting(const scene *s, const setting *at, int options, char *text,
                                  size_t size) {

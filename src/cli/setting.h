@@ -56,6 +56,10 @@ int setting_is(const setting *a, const setting *b);
  * the steps (of a dynamic scene times 2^(mesh/2) besides), and tol / 10^tol. */
 setting setting_scaled(const scene *s, int mesh, int steps, int tol);
 
+/* Sets *at to variant k of the model at the scene's own setting and returns its name, two words or
+ * more; "" for one that the scene does not have, NULL beyond the last. */
+const char *setting_variant(const scene *s, int k, setting *at);
+
 /* Writes the options of `delassus scene` that set `at` ("--mesh=20x20 --steps=100 --tol=1e-04"),
  * and the same in words ("20 x 20, 100 steps, tol 1e-04"), into text (size); returns text. */
 enum { SETTING_ROOM = 160 };
