@@ -42,7 +42,15 @@ void dlsi_groups_solve_one(int d, const double *own, double *p) {
     p[i] = r[i];
 }
 
+/* Entries of a place are moved two at a time where the compiler has shuffles of two registers. */
+#ifdef __has_builtin
+#define SHUFFLES __has_builtin(__builtin_shufflevector)
+#else
+#define SHUFFLES 0
+#endif
+typedef double groups_pair __attribute__((vector_size(16), aligned(8), may_alias));
 #if defined(__x86_64__)
+typedef double groups_quad __attribute__((vector_size(32), aligned(8), may_alias));
 #define WIDTH   8
 #define TARGET  __attribute__((target("avx512f")))
 #define NAME(x) x##_8
