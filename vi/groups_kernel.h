@@ -1,12 +1,12 @@
 /*
- * groups_kernel.h: groups_sweep.c's kernels in registers of WIDTH doubles; included there once for
- * each width. TARGET: the attribute that allows the registers; NAME(x): x for this width.
+ * groups_kernel.h: kernels of groups_sweep.c for registers of WIDTH doubles, included there once
+ * per width. TARGET: the attribute that allows the registers; NAME(x): x for this width.
  *
  * The local solution is local.c's (LO1)-(LO5) without its branches, for W_nn > 0 and S positive
  * definite:
  *
- *   d = 3  stick by Cramer's rule; slip by two Newton steps from the l of the candidate's last
- *          visit: the sweeps correct what these leave
+ *   d = 3  stick by Cramer's rule; slip by newton_steps Newton steps from the l of the last visit:
+ *          the sweeps correct the rest
  *   d = 2  stick from u_t = z + S r_t = 0; else slip towards that r_t
  */
 #define INLINE static TARGET DLSI_INLINE
@@ -112,8 +112,8 @@ INLINE void NAME(scatter)(const int n, const V *x, double *const *p) {
       p[l][i] = x[i][l];
 }
 
-/* s := the solutions for d = 3. own: from the lane on; l there changes. Returns the lanes that
- * have found none. */
+/* s := the solutions for d = 3. own: from the lane on; l there changes. Returns the lanes without a
+ * solution. */
 INLINE M NAME(solve_3d)(double *own, const V *p, V *s) {
   const V zero = {0};
   V W[9];
@@ -227,7 +227,7 @@ INLINE void NAME(look_blocks)(const int d, const dlsi_groups *G, int g, int h, c
   }
 }
 
-/* Where the numbers of the eight candidates of a group stand. */
+/* Addresses of the numbers of the eight contacts of a group. */
 #define PLACES NAME(places)
 typedef struct PLACES {
   double *r[8], *a[8], *b[8]; /* r, the motions of both bodies */
@@ -307,7 +307,7 @@ INLINE int NAME(visit)(const int d, const int n, const dlsi_groups *G, int first
   return changed;
 }
 
-/* u := W r + q, of bodies from v, for the candidates of groups first .. end-1. */
+/* u := W r + q, from v for bodies, for the contacts of groups first .. end-1. */
 INLINE void NAME(see)(const int d, const int n, const dlsi_groups *G, int first, int end, double *r,
                       double *v, double *u) {
   PLACES at = {.none = {0}};
@@ -337,7 +337,7 @@ INLINE void NAME(see)(const int d, const int n, const dlsi_groups *G, int first,
   }
 }
 
-/* Groups first .. end-1: a sweep where u is NULL, which returns 1 if some r has changed; else u. */
+/* Groups first .. end-1: a sweep if u is NULL, which returns 1 if some r has changed; else u. */
 static TARGET int NAME(run)(const dlsi_groups *G, int first, int end, double *r, double *v,
                             double *u) {
 #define CASE(D, N)                                                                                 \
