@@ -46,8 +46,10 @@ INLINE V NAME(gather_one)(const double *const *p, int i) {
   return (V){p[0][i], p[1][i], p[2][i], p[3][i], p[4][i], p[5][i], p[6][i], p[7][i]};
 #elif WIDTH == 4
   return (V){p[0][i], p[1][i], p[2][i], p[3][i]};
-#else
+#elif WIDTH == 2
   return (V){p[0][i], p[1][i]};
+#else
+  return (V){p[0][i]};
 #endif
 }
 
