@@ -731,7 +731,7 @@ static dls_status reduction_expand(dls_reduction *work, const double *r, dls_err
   return status;
 }
 
-/* Solves work->x := K^-1 (f + H r), the springs' feet at c: s_k e_k alone stretches to b_k. */
+/* Solves work->x := K^-1 (f + H r + sum_k s_k c_k e_k): springs with feet at c, as in balance. */
 static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_error *error) {
   const dlsi_columns *Ht = &work->H.Ht;
   const int *unknown = work->factor->unknown;
