@@ -3,9 +3,9 @@
  *
  *   (BY1)  r := the solution on W, x := K^-1 (f + H r)                 not if modes are held
  *   (BY2)  the certificate of the pair (x, r) on K decides             dls_reduction_certify
- *   (BY3)  if it does not hold, method auto: the problem on K itself (global/), from (x, r). It needs
- *          no springs, and loses no precision in a W that is large compared with the body: soft
- *          supports, bodies that only contact holds
+ *   (BY3)  if it does not hold, method auto: the problem on K itself (global/), from (x, r). It
+ *          needs no springs, and loses no precision in a W that is large compared with the body:
+ *          soft supports, bodies that only contact holds
  *   (BY4)  dls_reduction_create_either: (BY3) at once, and no W, if an estimate finds that cheaper,
  *          K is singular, or W is beyond the limit of memory
  *
