@@ -39,7 +39,7 @@ typedef struct dlsi_system {
   dlsi_general general;
 } dlsi_system;
 
-/* Analyses. K: sparse, repeated entries added up; of a symmetric one the lower triangle alone. H: n
+/* Analyses. K: sparse, repeated entries added up; of a symmetric K only the lower triangle. H: n
  * x m, d columns a contact. joint: 1 of a multiplier, n; NULL: there is none. The values are read,
  * and K.Ks.x and H are borrowed. *out = NULL on error: DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H, int d,
@@ -91,7 +91,7 @@ struct dls_global {
   int mover;                /* its body, -1: joints */
   double *motion;           /* n */
 
-  /* of the solve under way */
+  /* of the current solve */
   const dls_limits *limits;
   double begun;
   int iterations, factorisations;

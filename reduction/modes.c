@@ -8,7 +8,7 @@
  *   (MO5)  reduce them to echelon form: a 1 in unknown[k] of mode k, where the others are 0; then
  *          x = C v. unknown[k]: the row of largest norm among those of the null vectors that vanish
  *          in unknown[0..k-1] (QR of V^T with pivoting; Golub and Van Loan, Matrix Computations,
- *          5.4.2); the first of equal rows. The norm of a row depends on the null space alone. An
+ *          5.4.2); the first of equal rows. The norm of a row depends only on the null space. An
  *          entry of V depends on the basis, which rounding chooses
  *   (MO6)  after each turn of dls_reduction_balance move the feet of the springs by Broyden's
  *          method (Math. Comp. 19, 1965, 577-593, the first one) to where nothing stretches them

@@ -456,7 +456,7 @@ static DLSI_INLINE void dlsi_bodies_push(const int d, const int n, const dlsi_pa
   }
 }
 
-/* u := q + H^T v for the candidates first .. end-1, v = bodies.work. */
+/* u := q + H^T v for the contacts first .. end-1, v = bodies.work. */
 void dlsi_bodies_unfold(const dls_contact *problem, int first, int end, double *u);
 
 /* ---- the contact problem --------------------------------------------------------------------- */

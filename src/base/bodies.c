@@ -1,8 +1,8 @@
 /*
  * bodies.c: W = H^T H of rigid bodies, kept factored: products, W by blocks on demand.
  *
- *   v_b = sum over the candidates c of body b of  H_cb r_c        motions, n per body
- *   u_c = q_c + sum over the bodies b of candidate c of  H_cb^T v_b
+ *   v_b = sum over the contacts c of body b of  H_cb r_c        motions, n per body
+ *   u_c = q_c + sum over the bodies b of contact c of  H_cb^T v_b
  *   W_ck = sum over the bodies b that c and k share of  H_cb^T H_kb
  *
  * A product costs 4 n d operations per contact, however many neighbours it has. Fails: no memory; W

@@ -12,7 +12,7 @@
  *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                  (EX2)
  *
  * excludes that, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. With g_c = sum_a v_a (row n of
- * W_ac) the last condition is g_cn + mu_c |g_ct| <= 0 at each candidate. g_n and mu g_t are sums of
+ * W_ac) the last condition is g_cn + mu_c |g_ct| <= 0 at each contact. g_n and mu g_t are sums of
  * products of three. In 2D their sum and difference have a sign; in 3D
  *
  *   g_n <= 0,   g_n^2 - (mu g_t)^2 - (mu g_s)^2 >= 0
@@ -111,7 +111,7 @@ int dlsi_exact_sign(dlsi_exact *sum) {
   return 0;
 }
 
-/* sum := row `part` of the block of candidate c in v.W_n, times `factor`. */
+/* sum := row `part` of the block of contact c in v.W_n, times `factor`. */
 static void exact_row(const dlsi_block_column *W, int part, double factor, const double *v,
                       dlsi_exact *sum) {
   for (size_t k = W->begin; k < W->end; k++)
@@ -155,7 +155,7 @@ static int exact_in_cone(dlsi_exact *gn, dlsi_exact h[2]) {
   return carry >= 0;
 }
 
-/* Returns 1 if g_n + mu |g_t| <= 0 holds at candidate c (EX2). */
+/* Returns 1 if g_n + mu |g_t| <= 0 holds at contact c (EX2). */
 static int exact_holds_at(const dls_contact *problem, int c, const double *v) {
   const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
   const double mu = problem->mu[c];

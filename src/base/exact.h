@@ -23,7 +23,7 @@ void dlsi_exact_add(dlsi_exact *sum, double a, double b, double c);
 int dlsi_exact_sign(dlsi_exact *sum);
 
 /* Returns 1 if v (nc) proves that no r in the friction cones has (W r + q)_n >= 0: v >= 0,
- * v.q_n < 0 and, for every candidate c, g_n + mu |g_t| <= 0 of g = sum of v_i times row n_i of
+ * v.q_n < 0 and, for every contact c, g_n + mu |g_t| <= 0 of g = sum of v_i times row n_i of
  * W_ic. Exact for the numbers of the problem. */
 int dlsi_contact_is_infeasible(const dls_contact *problem, const double *v);
 

@@ -1,6 +1,6 @@
 /*
- * products.c: adds columns of W to u: u += W(:,c) dr_c, for one candidate or for a list of
- * candidates.
+ * products.c: adds columns of W to u: u += W(:,c) dr_c, for one contact or for a list of
+ * contacts.
  *
  * Dense W: one pass over u takes the columns of four contacts, to read W at the speed of the
  * memory. Each u_i receives the terms of the contacts in the order of the list, to the same bits as

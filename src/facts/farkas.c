@@ -7,7 +7,7 @@
  *
  *   (FA1)  min sum_k w_k x_k,  x >= 0,  E_n x + q_n >= 0;   max -v.q_n,  v >= 0,  E_n' v <= w
  *
- * w_k: weight of the candidate. They are the LCP in z = (v, x)
+ * w_k: weight of the contact. They are the LCP in z = (v, x)
  *
  *   (FA2)  M = (0, E_n; -E_n', 0),  q = (q_n, w)
  *
@@ -25,7 +25,7 @@
  *
  *   (FA3)  -v.q_n  >  |e / w| (R + C |q|) + C |q| (|v sqrt(1 + mu^2)| + |g / w| + (m + 2) |v| / 4)
  *
- * shows that no r can be certified; the last term is the rounding of u. Norms are over candidates.
+ * shows that no r can be certified; the last term is the rounding of u. Norms are over contacts.
  */
 #include <float.h>
 #include <math.h>
@@ -40,7 +40,7 @@ static int farkas_edges(const dls_contact *problem, int c) {
   return !(problem->mu[c] > 0) ? 1 : problem->d == 2 ? 2 : round_edges;
 }
 
-/* edge := edge k of the cone of candidate c. */
+/* edge := edge k of the cone of contact c. */
 static void farkas_edge(const dls_contact *problem, int c, int k, double edge[3]) {
   const double mu = problem->mu[c], a = 2 * 3.141592653589793 / round_edges * k;
   edge[0] = 1;

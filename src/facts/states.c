@@ -42,7 +42,7 @@ static const double same_solution =
 
 typedef enum state { FREE, STICK, SLIP_LEFT, SLIP_RIGHT } state;
 
-/* Unknowns of a candidate: u_n, r on the edges (1, mu) and (1, -mu), u_t > 0, u_t < 0. */
+/* Unknowns of a contact: u_n, r on the edges (1, mu) and (1, -mu), u_t > 0, u_t < 0. */
 enum { GAP = 1, EDGE_UP = 2, EDGE_DOWN = 4, TO_LEFT = 8, TO_RIGHT = 16, unknown_kinds = 5 };
 static const int unknowns_of[] = {[FREE] = GAP,
                                   [STICK] = EDGE_UP | EDGE_DOWN,
@@ -306,7 +306,7 @@ typedef struct refutation {
   const equations *e;
 } refutation;
 
-/* Returns the sign of sum_i y_i (W r)_i for r = (1, side mu) at candidate c, without rounding. */
+/* Returns the sign of sum_i y_i (W r)_i for r = (1, side mu) at contact c, without rounding. */
 static int refutation_edge(const refutation *f, int c, double side, const double *y) {
   const dls_contact *p = f->problem;
   const dlsi_block_column W = dlsi_contact_column(p, (size_t)c);

@@ -40,7 +40,7 @@ static const double energy_bound = 0.25;  /* of the step, over its largest part 
 /* ---- the end of a step ----------------------------------------------------------------------- */
 
 /* Fills reaction with the forces on the nodes, friction on held nodes included, and returns the
- * force against the motion: power at unit rate of load over the length of the way. */
+ * force against the motion: power at unit rate of load over the length of the path. */
 static double step_resistance(dls_forming *f) {
   double power = 0;
   for (int c = 0; c < f->nc; c++)

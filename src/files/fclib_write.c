@@ -85,7 +85,7 @@ static void column_of_blocks(const void *source, int j, builder *b) {
       add_entry(b, d * B->i[k] + i, B->x[(size_t)k * (size_t)(d * d) + (size_t)(i + d * (j % d))]);
 }
 
-/* Adds column j of H, whose columns are those of H_N and H_T candidate by candidate. */
+/* Adds column j of H, whose columns are those of H_N and H_T contact by contact. */
 static void column_of_operators(const void *source, int j, builder *b) {
   const dls_model *model = source;
   const int normal = j % model->d == 0;

@@ -37,7 +37,7 @@
  *          = 2 k - g            if h >= k = sqrt(s t)     (tau = 1)
  *          = h + k^2 / h - g    if h <  k                 (tau = (k/h)^2)
  *
- * provided s, t > 0. The same lines with the thresholds mu_c b_c, mu_c b'_c in the place of mu_c
+ * provided s, t > 0. The same lines with the thresholds mu_c b_c, mu_c b'_c in place of mu_c
  * r_n, mu_c r'_n give |y| <= (mu / mu*) |b - b'|: the fixed point on the sliding threshold
  * contracts. Its step is a variational inequality of the operator diag(tau, 1) (W r + q), strongly
  * monotone by the case mu = 0 of the above, and so has one solution: the fixed point exists,
@@ -74,7 +74,7 @@ static void flaw_count(dls_flaw *flaw, int index) {
   if (flaw->count++ == 0) flaw->first = index;
 }
 
-/* ---- candidates ------------------------------------------------------------------------------ */
+/* ---- contacts -------------------------------------------------------------------------------- */
 
 /* Returns 1 if B (d x d, not 0) is singular to rounding. Gauss elimination with complete
  * pivoting. */
@@ -268,7 +268,7 @@ static dls_status look_at_symmetry(const dls_contact *problem, const double *sca
 
 enum { eigen_work = 34 }; /* dsyev: (block size 32 + 2) n doubles */
 
-/* Fills A (m x m) with the scaled W, the normal rows and columns of all candidates first. */
+/* Fills A (m x m) with the scaled W, the normal rows and columns of all contacts first. */
 static void scaled_matrix(const dls_contact *problem, const double *scale, double *A) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
   for (size_t e = 0; e < m * m; e++)

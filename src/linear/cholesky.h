@@ -26,11 +26,11 @@ typedef struct dlsi_cholesky {
   size_t update;     /* entries of the largest update */
   double flops;      /* of the factorisation */
   double *pivot;     /* n: reciprocals of the diagonal of L */
-  double *y, *held;  /* n: of the solve under way; L^-1 b of dlsi_cholesky_condense */
+  double *y, *held;  /* n: of the current solve; L^-1 b of dlsi_cholesky_condense */
   double *x;         /* longest */
   int *head, *next;  /* count: list of supernodes whose next update is for this one */
   size_t *todo;      /* count: the first row of a supernode that has not updated */
-  int *local;        /* n: place of a position in the panel under way */
+  int *local;        /* n: place of a position in the current panel */
   dlsi_watch *watch; /* the caller's, for dlsi_cholesky_factor; or NULL */
 } dlsi_cholesky;
 

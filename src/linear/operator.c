@@ -11,7 +11,7 @@
 
 #include "linear/operator.h"
 
-/* Copies P and mu of the active candidates. */
+/* Copies P and mu of the active contacts. */
 static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, int frictionless,
                                       dls_error *error) {
   const dls_sparse *P = &model->P;

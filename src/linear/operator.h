@@ -9,7 +9,7 @@
 typedef struct dlsi_operator {
   int d;           /* rows of H^T per candidate: 1 where H = H_N */
   int candidates;  /* active ones */
-  dlsi_columns P;  /* nodes x candidates; the unit matrix's columns where the model has no P */
+  dlsi_columns P;  /* nodes x candidates; the unit matrix if the model has no P */
   double *mu;      /* candidates; NULL if the model has none */
   dlsi_columns Ht; /* H^T, m x n; entries of one place are not added up */
   int *keep, kept; /* n: the unknowns that H touches, ascending, and their number */
@@ -28,7 +28,7 @@ void dlsi_operator_free(dlsi_operator *H);
 dls_status dlsi_operator_columns(const dlsi_operator *H, int d, dlsi_part which, dlsi_columns *out,
                                  dls_error *error);
 
-/* Returns 0 if the tangents of candidate c are left out. */
+/* Returns 0 if the tangents of contact c are left out. */
 static inline int dlsi_has_tangents(const dlsi_operator *H, int c) {
   return !H->mu || H->mu[c] > 0;
 }

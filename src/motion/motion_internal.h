@@ -11,8 +11,8 @@
 typedef struct motion_point {
   double *x, *v, *kx;       /* n; kx = K x */
   double *p, *u;            /* m */
-  double *gap;              /* contacts */
-  double *slip;             /* (d-1) contacts */
+  double *gap;              /* candidates */
+  double *slip;             /* (d-1) candidates */
   double *way;              /* d nodes: y, displacement of the obstacle since the start */
   dls_contact_state *state; /* candidates */
   int active, *list;        /* candidates; ascending, `active` of them */
@@ -39,10 +39,10 @@ struct dls_motion {
   double *ways;                         /* n: x+ - x on a path */
   double *local, *place;                /* d nodes: scratch */
   double *zero;                         /* max(d nodes, candidates): zeros for y and mu */
-  double *uc, *mc;                      /* m: scratch, by candidate */
-  double *r, *w;                        /* m: of the active candidates, reactions and W r + q */
-  double *weight;                       /* 2 candidates: weights of the active ones */
-  double *values;                       /* memory of W, q, mu of the active candidates */
+  double *uc, *mc;                      /* m: scratch, by contact */
+  double *r, *w;                        /* m: of the active contacts, reactions and W r + q */
+  double *weight;                       /* 2 candidates: weights of the active contacts */
+  double *values;                       /* memory of W, q, mu of the active contacts */
   void *memory;                         /* of all arrays but A */
 };
 
