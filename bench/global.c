@@ -1,16 +1,16 @@
 /*
- * global.c: contact over whole surfaces on K (dls_global_solve) beside W (dls_reduction_create and
- * dls_solve) and beside the same splitting written with CHOLMOD (global_peer.c).
+ * global.c: compares contact over whole surfaces on K (dls_global_solve), on W
+ * (dls_reduction_create and dls_solve) and by the same splitting with CHOLMOD (global_peer.c).
  *
  *   global [--table NAME]... [--out DIR]         the tables: peer, growth, tolerance, robust,
  *                                                foreseen, choice, where; all without --table
  *   global --scene KIND SUPPORT LOAD NX NY NZ [--mu MU] [--tol TOL] [--seed SEED]
- *                                                one scene by all ways, on the screen only
+ *                                                one scene by all methods, on the screen only
  *
  * Every solve runs in a child process, which makes the scene itself: CPU seconds from create to the
- * answer, on one thread, and the peak of its memory without the model. Where ways are compared each
- * runs three times in turn, of which the fastest counts. Seeds are even: odd ones served for
- * tuning. W is refused where more than 4 GB are foreseen.
+ * answer, on one thread, and the peak of its memory without the model. Methods to be compared run
+ * three times each, in turn; the fastest run counts. Seeds are even: odd ones served for tuning. W
+ * is refused if its estimate is more than 4 GB.
  *
  * Writes DIR/global.md, and DIR/global.csv for the picture.
  */

@@ -1,5 +1,5 @@
 /*
- * prove.c: how many certified answers dls_contact_prove proves, and at what cost. Writes proof.md.
+ * prove.c: counts the certified answers that dls_contact_prove proves; its cost. Writes proof.md.
  *
  * Sets: random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, 1 to 300
  * rows, even seeds; FCLIB files of one directory; those of another one with Jean's block, saved by
