@@ -8,7 +8,7 @@
  *   W = F + D F D / E2
  *
  * Without reactions the upper body moves as its rigid part does: q_n is the gap of two crowned and
- * slightly rough faces less the motion down, q_t the motion along. About half of them touch.
+ * slightly rough faces less the motion down, q_t the motion along. About half the contacts touch.
  */
 #include "scale_elastic.h"
 

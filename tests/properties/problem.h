@@ -1,5 +1,5 @@
 /*
- * problem.h: a contact problem with what its generator knows of it, the random numbers, and the
+ * problem.h: a contact problem and the facts that its generator knows, the random numbers, and the
  * judges that use nothing of the library: the residual, the true error, the exact sum, and Farkas'
  * proof.
  */
