@@ -1,5 +1,5 @@
 /*
- * measure.c: the certificate of DESIGN.md in long double, written from its formulas and not from
+ * measure.c: the certificate of docs/certificate.md in long double, from its formulas and not from
  * the library.
  *
  *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t/w_n) max(0, v_n),  u = W r + q

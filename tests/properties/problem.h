@@ -76,7 +76,7 @@ void plant_q(problem *p);
 
 /* ---- judges ---------------------------------------------------------------------------------- */
 
-/* Both parts of the certificate as DESIGN.md defines them, in long double. */
+/* Both parts of the certificate as docs/certificate.md defines them, in long double. */
 typedef struct measure {
   double u, floor_u;     /* positions, over |q| */
   double r, floor_r;     /* forces, over |r| */
