@@ -250,7 +250,7 @@ static int run_comparison(FILE *page, int count, char **name) {
   return EXIT_SOLVED;
 }
 
-/* ---- the price of a step --------------------------------------------------------------------- */
+/* ---- the cost of a step ---------------------------------------------------------------------- */
 
 /* Returns 1, or 0 after a message. number: NULL for 1. */
 static int read_seed(const char *number, unsigned long *seed) {
@@ -356,8 +356,8 @@ int main(int argc, char **argv) {
   if (count < 1 || count > most_files || (price && count > 2))
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
                     "--unique NAME... | --total [SEED] | --nu NU SEED");
-  FILE *page = price ? bench_page(directory, "price", "the price of a step", argc, argv)
-                     : bench_page(directory, "auto", "auto beside the single methods", argc, argv);
+  FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)
+                     : bench_page(directory, "auto", "auto against the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
   const int status = price ? run_price(page, count > 1 ? argv[first + 1] : NULL)
                            : run_comparison(page, count, argv + first);

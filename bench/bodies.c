@@ -374,7 +374,7 @@ int main(int argc, char **argv) {
   const char *out = "build";
   rigid a[most_sizes];
   if (read_options(argc, argv, &p, &out)) return 2;
-  p.page = bench_page(out, "bodies", "Rigid bodies as they are, and two threads", argc, argv);
+  p.page = bench_page(out, "bodies", "Rigid bodies in factored form, and two threads", argc, argv);
   p.csv = p.page ? bench_open(out, "bodies.csv") : NULL;
   if (!p.csv) return 1;
   fprintf(p.csv, "storage,candidates,threads,seconds,speedup,measured\n");

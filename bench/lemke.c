@@ -429,8 +429,8 @@ int main(int argc, char **argv) {
   }
   output to = {bench_open(out, one ? "lemke_large.csv" : "lemke.csv"), NULL};
   if (to.csv)
-    to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method beside Siconos'", argc,
-                         argv);
+    to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method against Siconos'",
+                         argc, argv);
   if (!to.page) return 1;
   int status = 0;
   if (one)

@@ -185,8 +185,8 @@ static int open_page(plan *p, const char *out, int argc, char **argv) {
   fprintf(p->csv, "kind,size,contacts,mu,seed,tol,auto,best,peer,method,peer method,stages\n");
   fputs("Regret is the CPU of auto over the CPU of the best single method that solves the problem "
         "to the same tolerance. 1: auto loses nothing. Unsolved: auto fails, a method does not; "
-        "such problems are in no median. Methods are stopped at twice the CPU of auto: where none "
-        "comes in, regret counts as 0.5. Slower than peer: auto takes longer than the best "
+        "such problems are in no median. Methods are stopped at twice the CPU of auto: if none "
+        "solves by then, regret counts as 0.5. Slower than peer: auto takes longer than the best "
         "solver of Siconos; worst to peer: CPU of auto over it.\n",
         p->page);
   return 0;

@@ -47,7 +47,7 @@ static void elastic_gaps(elastic *a, int cells, double down, uint64_t state) {
   }
 }
 
-/* Puts W by blocks in the place of W dense. */
+/* Puts W by blocks in place of W dense. */
 static int elastic_by_blocks(elastic *a) {
   const size_t d = (size_t)a->contact.d, nc = (size_t)a->contact.nc;
   a->p = calloc(nc + 1, sizeof *a->p);

@@ -267,7 +267,7 @@ static void print_paths(FILE *page) {
   static const double jump[] = {0, .05, .3};
   for (int j = 0; j < 3; j++) {
     bench_print(page, "\n## Load paths of %d steps, elastic, W dense, 1e-8", load_steps);
-    if (j) bench_print(page, ", the load up to %g of the way before or behind", jump[j]);
+    if (j) bench_print(page, ", the load up to %g of the path ahead or behind", jump[j]);
     bench_print(page,
                 "\n\n| d | candidates | seed | cold, ms a step | warm | warm over cold | "
                 "iterations | factorisations | solved |\n|---|---|---|---|---|---|---|---|---|\n");
