@@ -59,6 +59,21 @@ typedef struct report {
   char slug[SLUG], file[SLUG + 8], folder[PATH_ROOM], verdict[PAGE_SENTENCE];
 } report;
 
+static int printed; /* pages in the object of --json */
+
+/* Prints a page as a field of the object. */
+static void print_page(const report *a, int met) {
+  if (!is_json()) return;
+  if (!printed++) fputs("{\n  \"command\": \"report\"", stdout);
+  fputs(",\n  ", stdout);
+  print_json_string(stdout, a->file);
+  fputs(": {\"name\": ", stdout);
+  print_json_string(stdout, a->parts.name);
+  printf(", \"met\": %s, \"verdict\": ", met ? "true" : "false");
+  print_json_string(stdout, a->verdict);
+  fputs("}", stdout);
+}
+
 /* Makes a file's name of any name: letters, digits, points and dashes stay. */
 static void make_slug(const char *name, int number, char slug[SLUG]) {
   char base[SLUG - 16];
@@ -80,7 +95,7 @@ static int begin_page(report *a, const char *directory) {
                  o->quick ? " --quick" : "");
   part_note(&a->parts, options);
   (void)snprintf(title, sizeof title, "%.150s", a->parts.name);
-  if (!page_open(&a->page, directory, a->file, title, o->text)) return 0;
+  if (!page_open(&a->page, directory, a->file, title, o->text && !is_json())) return 0;
   page_say(&a->page, PAGE_LEAD, "%s.", a->verdict);
   return 1;
 }
@@ -102,7 +117,8 @@ static int end_page(report *a, const char *directory, int met) {
   page_say(&a->page, PAGE_SECTION, "Commands");
   part_commands(&a->parts);
   if (!page_close(&a->page, a->file)) return EXIT_BAD_INPUT;
-  if (!a->options->text) tell("%s: %s.\n", quote(AS_SHOWN, a->parts.name).text, a->verdict);
+  print_page(a, met);
+  if (!a->page.text) tell("%s: %s.\n", quote(AS_SHOWN, a->parts.name).text, a->verdict);
   tell("page: %s/%s\n", quote(AS_SHOWN, directory).text, a->file);
   return met ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 }
@@ -304,6 +320,14 @@ int command_report(int argc, char **argv) {
   for (int k = 0; k < count && result != EXIT_BAD_INPUT && !was_interrupted(); k++) {
     const int one = report_name(names[k], count_alike(names, k), &o, directory);
     if (one > result) result = one;
+  }
+  if (printed) {
+    printf(",\n  \"status\": \"%s\",\n  \"directory\": ", result == EXIT_SOLVED ? "solved"
+                                                          : result == EXIT_BAD_INPUT
+                                                              ? "error"
+                                                              : "not_solved");
+    print_json_string(stdout, directory);
+    puts("\n}");
   }
   return end_command(result, "no setting is measured to be accurate enough");
 }
