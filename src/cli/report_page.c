@@ -1,7 +1,7 @@
 /*
- * report_page.c: the page of delassus report: one HTML file without a network, well-formed XML besides,
- * and the same as text on stdout. Names and words, which are anybody's bytes, go through quote(); the pictures are
- * gnuplot's, within the page.
+ * report_page.c: the page of delassus report: one HTML file, well-formed XML besides, that loads
+ * nothing; and the same as text on stdout. Names and words, which are anybody's bytes, go through
+ * quote(); the pictures are gnuplot's, within the page.
  */
 #define _GNU_SOURCE
 #include <stdarg.h>
@@ -105,7 +105,7 @@ void page_cell(page *p, const char *format, ...) {
 }
 
 /* Prints a row of the table in text, each column as wide as its widest cell. */
-static void print_row(const page *p, int row, const int *width) {
+static void page_row(const page *p, int row, const int *width) {
   for (int j = 0; j < p->columns; j++) {
     const quoted q = quote(AS_SHOWN, p->cell[row * p->columns + j]);
     printf(j ? "  %*s" : "%-*s", width[j], q.text);
@@ -130,7 +130,7 @@ void page_table_end(page *p) {
   }
   fputs("</table></div>\n", p->html);
   for (int i = 0; p->text && i < rows; i++)
-    print_row(p, i, width);
+    page_row(p, i, width);
 }
 
 /* Finds the numbers of the wanted columns; returns how many. */

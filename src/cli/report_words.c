@@ -126,7 +126,7 @@ void budget_tables(const budget *b, page *p) {
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-static int write_csv(const budget *b, const char *directory) {
+static int budget_csv(const budget *b, const char *directory) {
   char words[SETTING_ROOM];
   FILE *file = open_in(directory, "budget.csv");
   if (!file) return 0;
@@ -150,7 +150,7 @@ static int write_point(FILE *s, const budget *b, int k, double error) {
 
 /* Writes budget.dat: a block for each ladder, from its own limit, and one of the settings that were
  * tried. points: out, of each block. */
-static int write_data(const budget *b, const char *directory, int points[4]) {
+static int budget_data(const budget *b, const char *directory, int points[4]) {
   const ladder *const ladders[] = {&b->mesh, &b->steps, &b->tol};
   FILE *s = open_in(directory, "budget.dat");
   if (!s) return 0;
@@ -179,7 +179,7 @@ int budget_picture(const budget *b, const char *directory) {
   static const char *const titles[] = {"mesh alone", "steps alone", "tolerance alone",
                                        "tried together"};
   int points[4];
-  if (!write_csv(b, directory) || !write_data(b, directory, points)) return 0;
+  if (!budget_csv(b, directory) || !budget_data(b, directory, points)) return 0;
   FILE *s = open_in(directory, "budget.gp");
   if (!s) return 0;
   fputs("set datafile missing 'NaN'\n", s);

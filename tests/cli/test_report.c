@@ -12,7 +12,7 @@
 enum { text_room = 1100000, most_bytes = 1000000 };
 
 /* Returns the contents of a file of the test's directory, until the next call. */
-static const char *contents(const char *name) {
+static const char *read_page(const char *name) {
   static char text[text_room];
   char path[200];
   (void)snprintf(path, sizeof path, "%s/%s", directory, name);
@@ -33,7 +33,7 @@ static double field(const char *name) {
 
 /* Every tag is closed in its order; nothing is loaded; no id stands twice. */
 static void expect_page(const char *name) {
-  const char *page = contents(name);
+  const char *page = read_page(name);
   static const char *const loads[] = {"<script", "<link",    "<img",        "<iframe",   "src=",
                                       "@import", "url(http", "href=\"http", "href='http"};
   char open[64][16];
@@ -80,7 +80,7 @@ START_TEST(advice_holds) {
   int nx, ny;
   char tol[16];
   ck_assert_int_eq(run("report jean-fig3 --quick --cpu 8 -o @/r"), 0);
-  const char *page = contents("r/jean-fig3.html"), *take = strstr(page, "Take ");
+  const char *page = read_page("r/jean-fig3.html"), *take = strstr(page, "Take ");
   ck_assert_ptr_nonnull(take);
   ck_assert_int_eq(sscanf(take, "Take %d x %d, tol %15[^:]", &nx, &ny, tol), 3);
   ck_assert_ptr_nonnull(strstr(take, "friction force within 1 %"));
@@ -169,7 +169,7 @@ START_TEST(without_gnuplot) {
   ck_assert_int_eq(setenv("PATH", path, 1), 0);
   ck_assert_int_eq(status, 0);
   ck_assert_ptr_nonnull(strstr(output, "install gnuplot"));
-  const char *page = contents("jean-fig3.html");
+  const char *page = read_page("jean-fig3.html");
   ck_assert_ptr_null(strstr(page, "<svg"));
   ck_assert_ptr_nonnull(strstr(page, "install gnuplot"));
   ck_assert_ptr_nonnull(strstr(page, "mu</th><th>method</th>"));
