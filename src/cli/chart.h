@@ -17,7 +17,7 @@ typedef struct chart_answer {
 } chart_answer;
 
 typedef struct chart {
-  named subject;
+  problem subject;
   race race;
   double tol[CHART_RUNGS];
   int in_u;      /* 1: errors are measured in u, for W is rank deficient; 0: in r */

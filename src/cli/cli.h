@@ -56,7 +56,9 @@ const char *nearest_words(nearest *n);
 
 /* Returns the name of scene k of any kind; NULL beyond the last. */
 const char *scene_name(int k);
-int names_a_scene(const char *name);
+typedef enum scene_kind { NO_SCENE, SCENE_AT_ONCE, SCENE_FORMING, SCENE_MOVING } scene_kind;
+scene_kind kind_of_scene(const char *name);
+scene_kind kind_among(int argc, char **argv); /* of the first argument that is a scene */
 
 /* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
 int no_scene(const char *name);
@@ -73,28 +75,42 @@ int end_table(int result, const char *why, const char *title, const char *direct
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
-/* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
- * after a failed load, too. */
+/* A problem in memory, and who owns its parts. Start from {0}; free it after a failed load, too. */
 struct matrices;
+struct source;
 typedef struct problem {
   dls_fclib *file;           /* NULL for text */
   dls_text *text;            /* NULL for FCLIB */
   struct matrices *matrices; /* those of a host code (matrices.c), or NULL */
-  dls_reduction *reduction;  /* NULL for a local problem */
-  dls_model model;           /* of a global one */
+  dls_fe_scene *scene;       /* NULL: none */
+  dls_moving *moving;
+  double *own;              /* of a scene in steps */
+  dls_reduction *reduction; /* NULL for a local problem */
+  dls_model model;          /* of a global one; n = 0: none */
   const double *f, *g, *mu;
   int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
   int on_K;      /* 1: contact has d, nc and mu, and no W */
   dls_contact contact;
   double reduction_cpu_seconds;
+  char name[96];  /* without directories and ending; with the step */
+  char note[200]; /* what was chosen or changed to get it; "" */
 } problem;
 
-/* Sets p->contact, p->on_K from p->reduction. */
-dls_status problem_take_contact(problem *p, dls_error *error);
+/* Loads the problem that a command is asked for: the matrices of `from`, or `name`, a file or a
+ * scene. Prints the note. Returns 1; 0 after a complaint, or silently after Ctrl-C. */
+int problem_open(const char *name, const struct source *from, problem *p);
 
-/* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it,
- * where `on` says. */
-dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls_error *error);
+/* named.c: the problem of a scene, of one step where it goes in steps. */
+dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
+                            dls_error *error);
+
+/* Reduces p->model to W with the loads f, g; takes it on K where `from` is for `solve` and allows.
+ * Elsewhere springs hold a body that contact alone holds, about its equilibrium; p->note says so. */
+dls_status problem_condense(problem *p, const struct source *from, dls_error *error);
+
+/* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
+ * stderr for each. Returns how many names are left, in front. */
+int leave_lcps(int count, char **names);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
  * some microseconds take more CPU than the work (docs/threads.md). The library leaves the BLAS of
@@ -112,8 +128,7 @@ void matrices_free(struct matrices *matrices);
  * NULL. */
 const char *other_kind(const char *path);
 
-/* Returns 1 after a complaint if `path` names a scene, or a file of another kind than a problem (a
- * matrix, say). */
+/* Returns 1 after a complaint if `path` is a file of another kind than a problem (a matrix, say). */
 int is_no_problem(const char *path);
 
 /* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */
@@ -518,9 +533,6 @@ int draw_history(const char *directory, const char *title);
 void moving_usage_options(FILE *out);
 taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
 
-/* Returns 1 if one of the arguments is the name of a scene of bodies that move. */
-int names_moving(int argc, char **argv);
-
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_moving_step(const dls_moving_data *data);
 
@@ -535,9 +547,6 @@ int draw_convergence(const char *directory, const char *name, double order, doub
 /* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",
  * "augmented-lagrangian", "penalty" in the equilibrium loop. Returns 0 for no method. */
 int forming_method(const char *name, dls_forming_settings *settings);
-
-/* Returns 1 if one of the arguments is the name of a forming scene. */
-int names_forming(int argc, char **argv);
 
 /* Counts the candidates that carry a reaction. */
 int count_contacts(const dls_forming_data *data);

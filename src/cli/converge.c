@@ -159,8 +159,8 @@ int command_converge(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (o.meshes > MOST_MESHES || o.from > 100000)
     return complain("at most %d meshes, the first of at most 100000 elements", MOST_MESHES);
-  if (!names_moving(argc, argv)) {
-    if (names_a_scene(argv[optind]))
+  if (kind_among(argc, argv) != SCENE_MOVING) {
+    if (kind_of_scene(argv[optind]))
       return complain("%s: has no closed form; bar-impact, bar-bounce and bar-fixed have one",
                       argv[optind]);
     return no_scene(argv[optind]);

@@ -77,13 +77,6 @@ int forming_method(const char *name, dls_forming_settings *settings) {
   return 1;
 }
 
-int names_forming(int argc, char **argv) {
-  for (int k = 1; k < argc; k++)
-    for (int i = 0; dls_forming_name(i); i++)
-      if (!strcmp(argv[k], dls_forming_name(i))) return 1;
-  return 0;
-}
-
 int count_contacts(const dls_forming_data *data) {
   int count = 0;
   for (int c = 0; c < data->candidates; c++)

@@ -57,9 +57,10 @@ static int blas_takes_memory(void) {
 }
 
 static int run_scene_command(int argc, char **argv) {
-  return names_forming(argc, argv)  ? command_forming(argc, argv)
-         : names_moving(argc, argv) ? command_moving(argc, argv)
-                                    : command_scene(argc, argv);
+  const scene_kind kind = kind_among(argc, argv);
+  return kind == SCENE_FORMING  ? command_forming(argc, argv)
+         : kind == SCENE_MOVING ? command_moving(argc, argv)
+                                : command_scene(argc, argv);
 }
 
 static const struct {
@@ -86,7 +87,7 @@ static int no_command(const char *word) {
   static const char *const topics[] = {"help", "methods", "scenes", "commands"};
   for (int k = 0; k < 4; k++)
     nearest_try(&near, topics[k]);
-  if (names_a_scene(word)) return complain("'%s' is a scene: delassus scene %s", word, word);
+  if (kind_of_scene(word)) return complain("'%s' is a scene: delassus scene %s", word, word);
   if (!near.count && access(word, F_OK) == 0)
     return is_no_problem(word) ? EXIT_BAD_INPUT
                                : complain("'%s' is a file: delassus solve %s", word, word);

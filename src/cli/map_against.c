@@ -192,7 +192,7 @@ typedef struct against {
 static dls_status against_cell(against *a, const dls_contact *given, int row, int column, double mu,
                                const map_options *o, FILE *csv, dls_error *error) {
   const int m = a->base.m;
-  int solved[MOST_CONTENDERS] = {0};
+  int solved[MOST_CONTENDERS] = {0}, open[MOST_CONTENDERS] = {0};
   const race_plan plan = {.rungs = 1,
                           .tol = &o->tol,
                           .repeat = 1,
@@ -207,18 +207,21 @@ static dls_status against_cell(against *a, const dls_contact *given, int row, in
     const dls_contact p = {
         .d = given->d, .nc = given->nc, .W = {m, m, m, a->base.damaged}, .q = a->q, .mu = a->mu};
     race it = {0};
-    const dls_status status = race_run(&it, &p, &plan, error);
+    const dls_status status = race_run(&it, &p, NULL, &plan, error);
     for (int k = 0; k < it.count && !status; k++)
-      for (int j = 0; j < a->picture.panels; j++)
-        solved[j] +=
-            !strcmp(a->who[j].name, it.who[k].name) && race_trial(&it, k, 0)->end == ENDED_SOLVED;
+      for (int j = 0; j < a->picture.panels; j++) {
+        if (strcmp(a->who[j].name, it.who[k].name) != 0) continue;
+        solved[j] += race_trial(&it, k, 0)->end == ENDED_SOLVED;
+        open[j] += race_trial(&it, k, 0)->end == ENDED_UNDECIDED;
+      }
     race_free(&it);
     if (status || was_interrupted()) return status;
   }
   for (int j = 0; j < a->picture.panels; j++) {
     const double share = (double)solved[j] / o->samples;
-    map_share(map_at(&a->picture, j, row, column), share);
-    fprintf(csv, "%.9g,%g,%s,%g\n", mu, damages[a->kind].value[column], a->who[j].name, share);
+    map_share(map_at(&a->picture, j, row, column), share, open[j] > 0);
+    fprintf(csv, "%.9g,%g,%s,%g,%g\n", mu, damages[a->kind].value[column], a->who[j].name, share,
+            (double)open[j] / o->samples);
   }
   return DLS_OK;
 }
@@ -239,7 +242,7 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
     a->mu = a->base.values + m;
     a->r = a->mu + m;
     a->q = a->r + m;
-    fprintf(csv, "mu,%s,method,share\n", damages[a->kind].name);
+    fprintf(csv, "mu,%s,method,share,not_decided\n", damages[a->kind].name);
     status = base_fill(&a->base, given, error);
     spread_friction(o->from > 0 ? o->from : 0.1, o->to < 0 ? 10 : o->to, a->picture.rows, mu);
     for (int i = 0; i < a->picture.rows; i++)
@@ -265,25 +268,28 @@ static int find_damage(const char *name, damage *kind) {
 
 int map_against(const char *name, map_options *o) {
   against a = {0};
-  char title[200], subtitle[200];
-  named subject = {0};
+  char title[200], subtitle[200], notes[200];
+  problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
   if (!find_damage(o->against, &a.kind))
     return complain(
         "--against: '%s' is none of condition, rank, skew (and mesh, of scenes in steps)",
         o->against);
-  dls_status status = named_load(name, &subject, &error);
+  dls_status status = DLS_OK;
+  if (!problem_open(name, &o->of, &subject)) {
+    problem_free(&subject);
+    return end_command(was_interrupted() ? EXIT_NOT_SOLVED : EXIT_BAD_INPUT, NULL);
+  }
   a.base.m = subject.contact.d * subject.contact.nc;
-  if (!status && a.base.m > against_rows_most) {
-    result = complain("--against: %s has %d rows, more than %d", name, a.base.m, against_rows_most);
-    named_free(&subject);
-    return result;
+  if (a.base.m > against_rows_most) {
+    problem_free(&subject);
+    return complain("--against: %s has %d rows, more than %d", name, a.base.m, against_rows_most);
   }
   map_picture *p = &a.picture;
-  *p = (map_picture){.title = title, .subtitle = subtitle, .y = "friction"};
+  *p = (map_picture){.title = title, .subtitle = subtitle, .y = "friction", .notes = notes};
   p->x = damages[a.kind].label;
-  p->panels = list_contenders(a.who);
+  p->panels = list_contenders(a.who) - 1; /* a damaged W has no model for gauss-seidel, the last */
   p->rows = o->rows && o->rows <= MAP_ROWS ? o->rows : AGAINST_ROWS;
   p->columns = AGAINST_COLUMNS;
   for (int k = 0; k < p->panels; k++)
@@ -298,7 +304,12 @@ int map_against(const char *name, map_options *o) {
   (void)snprintf(subtitle, sizeof subtitle,
                  "numbers: per cent of %d random loads that have a solution, solved to %.0e",
                  o->samples, o->tol);
-  if (status || !p->cells)
+  (void)snprintf(
+      notes, sizeof notes,
+      "measured. Hatched: some of the loads are not decided in %g s of CPU (or 300 times "
+      "the fastest)",
+      map_longer * (o->limit < 0 ? against_limit : o->limit));
+  if (!p->cells)
     (void)complain_of(name, &error);
   else if ((o->out = take_folder(o->out, "map", name))) {
     p->directory = o->out;
@@ -309,6 +320,6 @@ int map_against(const char *name, map_options *o) {
       (void)complain_of(name, &error);
   }
   free(p->cells);
-  named_free(&subject);
+  problem_free(&subject);
   return end_table(result, NULL, "map", o->out, "map.csv");
 }

@@ -29,6 +29,7 @@ static void shade(map_cell *cell, const char *colour, double part) {
 }
 
 void map_verdict(map_cell *cell, ending e, double times_fastest) {
+  cell->hatched = e == ENDED_UNDECIDED;
   if (e != ENDED_SOLVED) {
     shade(cell, ending_colour(e), 1);
     (void)snprintf(cell->text, sizeof cell->text, "%s", ending_word(e));
@@ -40,7 +41,8 @@ void map_verdict(map_cell *cell, ending e, double times_fastest) {
                  times_fastest);
 }
 
-void map_share(map_cell *cell, double share) {
+void map_share(map_cell *cell, double share, int hatched) {
+  cell->hatched = hatched;
   if (share >= 0.5)
     shade(cell, ending_colour(ENDED_SOLVED), 2 * share - 1);
   else
@@ -59,15 +61,16 @@ static const char *ink(const char *colour) {
 static int write_map_data(const map_picture *p) {
   FILE *file = open_in(p->directory, "map.dat");
   if (!file) return 0;
-  fputs("# a block for each panel: column row colour ink text; then: side row\n", file);
+  fputs("# a block for each panel: column row colour ink text hatched; then: side row\n", file);
   for (int k = 0; k < p->panels; k++) {
-    fputs("-9 -9 0xffffff 0xffffff x\n", file); /* keeps a block of no rows */
+    fputs("-9 -9 0xffffff 0xffffff x 0\n-9 -9 0xffffff 0xffffff x 1\n",
+          file); /* keeps a block of no rows */
     for (int i = 0; i < p->rows; i++)
       for (int j = 0; j < p->columns; j++) {
         const map_cell *c = map_at(p, k, i, j);
         if (c->colour[0])
-          fprintf(file, "%d %d 0x%s 0x%s \"%s\"\n", j, i, c->colour + 1, ink(c->colour) + 1,
-                  c->text);
+          fprintf(file, "%d %d 0x%s 0x%s \"%s\" %d\n", j, i, c->colour + 1, ink(c->colour) + 1,
+                  c->text, c->hatched);
       }
     fputs("\n\n", file);
   }
@@ -154,9 +157,11 @@ static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int 
   fprintf(
       s,
       "  plot 'map.dat' index %d using 1:2:(0.49):(0.47):3 with boxxyerror fs solid noborder lc "
-      "rgb variable, \\\n       '' index %d using 1:2:5:4 with labels font ',%d' tc rgb "
-      "variable\n  unset arrow\n",
-      k, k, p->panels > 1 ? 9 : 11);
+      "rgb variable, \\\n       '' index %d using ($6 ? $1 : NaN):2:(0.49):(0.47) with boxxyerror "
+      "fs "
+      "transparent pattern 4 noborder lc rgb '#909090', \\\n       '' index %d using 1:2:5:4 with "
+      "labels font ',%d' tc rgb variable\n  unset arrow\n",
+      k, k, k, p->panels > 1 ? 9 : 11);
 }
 
 static int by_row(const void *a, const void *b) {

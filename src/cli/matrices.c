@@ -7,6 +7,7 @@
  * docs/files.md says what each file holds.
  */
 #define _GNU_SOURCE
+#include <getopt.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -516,26 +517,6 @@ static int load_modes(const char *path, struct matrices *own, dls_model *model) 
   return good;
 }
 
-static int condense(const matrix_options *o, problem *p) {
-  dls_error error = {0};
-  dls_reduction_settings settings;
-  dls_reduction_settings_init(&settings);
-  settings.on = o->on;
-  settings.allow_indefinite = 1;
-  settings.stabilize = o->stabilize;
-  settings.progress = show_reduction;
-  const double start = cpu_seconds();
-  dls_status status = dls_reduction_create_either(&p->reduction, &p->model, &settings, &error);
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, &error);
-  if (!status) status = problem_take_contact(p, &error);
-  p->reduction_cpu_seconds = cpu_seconds() - start;
-  if (status >= 0) return !status; /* or cancelled */
-  (void)complain_of(matrices_name(o), &error);
-  if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
-    (void)complain("without --on=W and with --method=auto, the problem is solved on K");
-  return 0;
-}
-
 /* ---- the problem ----------------------------------------------------------------------------- */
 
 int matrices_load(const matrix_options *o, problem *p) {
@@ -572,7 +553,30 @@ int matrices_load(const matrix_options *o, problem *p) {
   p->f = own->f;
   p->g = own->g;
   p->mu = own->mu;
-  return condense(o, p);
+  return 1;
+}
+
+taken take_source_option(int key, const char *text, source *from) {
+  return key == KEY_STEP ? parse_count("step", text, &from->step)
+                         : take_matrix_option(key, text, &from->matrices);
+}
+
+char **source_names(int *count, char **argv, const source *from) {
+  static char *alone[1];
+  const char *given = matrices_name(&from->matrices);
+  const int names = *count;
+  if (given ? names > 0 : names < 1) return wrong_names(argv[0]), NULL;
+  alone[0] = (char *)given;
+  *count = given ? 1 : leave_lcps(names, argv + optind);
+  return given ? alone : argv + optind;
+}
+
+void source_usage(FILE *out) {
+  fputs(
+      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
+      "                        the most contacts that touch)\n\n",
+      out);
+  matrices_usage(out);
 }
 
 void matrices_free(struct matrices *own) {

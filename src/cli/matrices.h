@@ -32,7 +32,9 @@ enum {
   KEY_MODES,
   KEY_DIM,
   KEY_STABILIZE,
-  KEY_ON
+  KEY_ON,
+  KEY_STEP,
+  KEY_AFTER /* of the other options of a command */
 };
 
 #define MATRIX_OPTIONS                                                                             \
@@ -54,7 +56,24 @@ int matrices_given(const matrix_options *options);
 /* Prints the part of --help. */
 void matrices_usage(FILE *out);
 
-/* Reads all files and condenses them. Returns 1, or 0 after a complaint; free p in both cases. */
+/* Reads all files: sets p->model, f, g and mu, or p->contact from --W. Returns 1, or 0 after a
+ * complaint; free p in both cases. */
 int matrices_load(const matrix_options *options, problem *p);
+
+/* The problem that a command is asked for, beside its name. Start from {0}. */
+typedef struct source {
+  matrix_options matrices;
+  int step;   /* of a scene in steps; 0: the last with the most contacts that touch */
+  int solves; /* 1: for solve, which takes a problem on K and rigid bodies as they are */
+} source;
+
+#define SOURCE_OPTIONS MATRIX_OPTIONS, VALUE("step", KEY_STEP)
+taken take_source_option(int key, const char *text, source *from);
+
+/* Returns the names that a command of contact problems is given, the *count after the options: one
+ * of a matrix, or those of files and scenes, without LCPs (leave_lcps). NULL after a complaint. */
+char **source_names(int *count, char **argv, const source *from);
+
+void source_usage(FILE *out);
 
 #endif

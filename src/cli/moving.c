@@ -52,13 +52,6 @@ static void moving_usage(FILE *out) {
         out);
 }
 
-int names_moving(int argc, char **argv) {
-  for (int k = 1; k < argc; k++)
-    for (int i = 0; dls_moving_name(i); i++)
-      if (!strcmp(argv[k], dls_moving_name(i))) return 1;
-  return 0;
-}
-
 /* ---- options --------------------------------------------------------------------------------- */
 
 static const char *const law_names[] = {"velocity", "gap", "path"}; /* from 1 */

@@ -1,9 +1,10 @@
-/* problem.c: loads problems, FCLIB or text, and condenses them if they are global. */
+/* problem.c: loads problems from files, and condenses those that have a model. */
 #define _GNU_SOURCE
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "cli.h"
+#include "matrices.h"
 
 /* Returns 1 if the file begins as those of HDF5 do, or cannot be read. */
 static int is_hdf5(const char *path) {
@@ -31,13 +32,11 @@ const char *other_kind(const char *path) {
 
 int is_no_problem(const char *path) {
   const char *kind = other_kind(path);
-  if (kind)
-    return complain("%s is a %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
-                    "--f=F --mu=MU; or --W with --q and --mu; an LCP: --lcp M.mtx q.mtx",
-                    path, kind, path),
-           1;
-  if (access(input_path(path), F_OK) == 0 || !names_a_scene(path)) return 0;
-  return complain("%s: is a scene: delassus scene %s", path, path), 1;
+  if (!kind) return 0;
+  return complain("%s is a %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
+                  "--f=F --mu=MU; or --W with --q and --mu; an LCP: --lcp M.mtx q.mtx",
+                  path, kind, path),
+         1;
 }
 
 int read_lcp_text(const char *path, dls_text **text) {
@@ -60,7 +59,66 @@ static dls_status check_place(dls_on on, dls_error *error) {
   return DLS_E_UNSUPPORTED;
 }
 
-dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls_error *error) {
+/* Sets p->contact, p->on_K from p->reduction. */
+static dls_status problem_take_contact(problem *p, dls_error *error) {
+  dls_reduction_info info;
+  const dls_status status = dls_reduction_get_info(p->reduction, &info, error);
+  if (status) return status;
+  p->on_K = info.on == DLS_ON_K;
+  if (!p->on_K) return dls_reduction_contact(p->reduction, p->mu, &p->contact, error);
+  p->contact = (dls_contact){.d = p->model.d, .nc = info.contacts, .mu = p->mu};
+  return DLS_OK;
+}
+
+/* Moves the feet of the springs that hold a body until they carry nothing: the contact problem then
+ * has the reactions of the free body. */
+static dls_status problem_hold(problem *p, dls_error *error) {
+  dls_reduction_info held;
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.limits.cpu_seconds = 10;
+  settings.limits.progress = show_progress;
+  dls_status status = dls_reduction_get_info(p->reduction, &held, error);
+  if (status || !held.modes || p->on_K) return status;
+  const size_t m = (size_t)p->contact.d * (size_t)p->contact.nc;
+  double *r = malloc((2 * m + (size_t)p->model.n) * sizeof *r);
+  if (!r) {
+    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+    return DLS_E_MEMORY;
+  }
+  status = dls_reduction_solve(p->reduction, p->mu, &settings, r, r + m, r + 2 * m, NULL, error);
+  progress_end();
+  free(r);
+  const size_t used = strlen(p->note);
+  (void)snprintf(p->note + used, sizeof p->note - used, "%s%d rigid-body mode%s held by springs%s",
+                 used ? "; " : "", held.modes, plural(held.modes),
+                 is_solved(status) ? " that carry nothing at this load" : "");
+  return status < 0 ? status : DLS_OK;
+}
+
+dls_status problem_condense(problem *p, const source *from, dls_error *error) {
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.on = from->solves ? from->matrices.on : DLS_ON_W;
+  settings.allow_indefinite = p->matrices != NULL;
+  settings.stabilize = from->matrices.stabilize;
+  settings.progress = show_reduction;
+  const double start = cpu_seconds();
+  dls_status status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
+  if (status == DLS_E_SINGULAR && !from->solves) {
+    settings.stabilize = 1;
+    status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
+  }
+  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
+  if (!status) status = problem_take_contact(p, error);
+  if (!status && !from->solves) status = problem_hold(p, error);
+  p->reduction_cpu_seconds = cpu_seconds() - start;
+  return status;
+}
+
+static dls_status problem_of_file(const char *path, const source *from, problem *p,
+                                  dls_error *error) {
+  const dls_on on = from->matrices.on;
   dls_status status;
   if (!is_hdf5(path)) {
     status = dls_text_read(&p->text, input_path(path), error);
@@ -75,18 +133,47 @@ dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls
   }
   status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
   if (status) return status;
-  p->of_bodies = bodies && on != DLS_ON_K && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
-  if (p->of_bodies) return DLS_OK;
-  dls_reduction_settings settings;
-  dls_reduction_settings_init(&settings);
-  settings.on = on;
-  settings.progress = show_reduction;
-  const double start = cpu_seconds();
-  status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-  if (!status) status = problem_take_contact(p, error);
-  p->reduction_cpu_seconds = cpu_seconds() - start;
-  return status;
+  p->of_bodies =
+      from->solves && on != DLS_ON_K && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
+  return p->of_bodies ? DLS_OK : problem_condense(p, from, error);
+}
+
+/* Complains of a name that is neither a scene nor a file; 0 if it is a file. */
+static int is_nothing(const char *name) {
+  nearest near = {.word = name};
+  for (int k = 0; scene_name(k); k++)
+    nearest_try(&near, scene_name(k));
+  if (!near.count || access(input_path(name), F_OK) == 0) return 0;
+  return complain("%s: no file and no scene%s", name, nearest_words(&near)), 1;
+}
+
+int problem_open(const char *name, const source *from, problem *p) {
+  const char *given = matrices_name(&from->matrices);
+  const scene_kind kind = given ? NO_SCENE : kind_of_scene(name);
+  dls_error error = {0};
+  dls_status status;
+  if (!from->solves && from->matrices.on == DLS_ON_K)
+    return complain("--on=K: is for delassus solve"), 0;
+  if (from->step && kind != SCENE_FORMING && kind != SCENE_MOVING)
+    return complain("--step: is for scenes in steps"), 0;
+  if (!given && matrices_given(&from->matrices))
+    return complain("give one of --stiffness, --flexibility and --W"), 0;
+  shorten(given ? given : name, p->name, sizeof p->name);
+  if (given) {
+    name = given;
+    if (!matrices_load(&from->matrices, p)) return 0;
+    status = p->model.n ? problem_condense(p, from, &error) : DLS_OK;
+  } else if (kind) {
+    status = problem_of_scene(name, from, p, &error);
+  } else {
+    if (is_nothing(name) || is_no_problem(name)) return 0;
+    status = problem_of_file(name, from, p, &error);
+  }
+  if (status < 0) (void)complain_of(name, &error);
+  if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
+    (void)complain("without --on=W and with --method=auto, the problem is solved on K");
+  if (!status && *p->note) tell("%s: %s\n", quote(AS_SHOWN, p->name).text, p->note);
+  return !status;
 }
 
 /* Is in OpenBLAS alone; NULL with another BLAS. */
@@ -103,16 +190,19 @@ void problem_free(problem *p) {
   dls_reduction_destroy(p->reduction);
   dls_fclib_destroy(p->file);
   dls_text_destroy(p->text);
+  dls_fe_scene_destroy(p->scene);
+  dls_moving_destroy(p->moving);
+  free(p->own);
   matrices_free(p->matrices);
 }
 
 void problem_print(const char *path, const problem *p) {
   printf("%s: %dD, %d contact%s, %s\n", quote(AS_SHOWN, path).text, p->contact.d, p->contact.nc,
          plural(p->contact.nc),
-         p->reduction   ? "global"
-         : p->of_bodies ? "global"
-         : p->text      ? "text"
-                        : "local");
+         p->scene || p->own             ? "of a scene"
+         : p->reduction || p->of_bodies ? "global"
+         : p->text                      ? "text"
+                                        : "local");
   if (p->of_bodies)
     printf("  of %d rigid bod%s\n", p->contact.bodies.count,
            p->contact.bodies.count == 1 ? "y" : "ies");

@@ -16,9 +16,10 @@ enum { PROFILE_RUNGS = 7, PROFILE_TARGETS = 3 };
 static const double profile_tol[PROFILE_RUNGS] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
 static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
-enum { KEY_PORTFOLIO = 256 }; /* no letter */
+enum { KEY_PORTFOLIO = KEY_AFTER }; /* no letter */
 
 typedef struct profile_options {
+  source from;
   int repeat, portfolio;
   double limit, budget, tol;
   const char *out;
@@ -41,8 +42,9 @@ static void profile_usage(FILE *out) {
       "                        how many it ended the solve, its CPU; and each step alone: on how\n"
       "                        many it solves, on how many it is the first to solve. No files\n"
       "  -t, --tol=T           tolerance of --portfolio (1e-8)\n" LAST_USAGE "\n"
-      "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n",
+      "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n\n",
       out);
+  source_usage(out);
 }
 
 /* All that was measured; problems are counted as they are done. */
@@ -90,17 +92,20 @@ static int profile_add(profile *p, const char *name, const profile_options *o) {
                           .repeat = o->repeat,
                           .limit = o->limit,
                           .budget = o->budget};
-  named subject = {0};
+  problem subject = {0};
   race a = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
-  dls_status status = named_load(name, &subject, &error);
-  if (!status) status = race_run(&a, &subject.contact, &plan, &error);
+  if (!problem_open(name, &o->from, &subject)) {
+    problem_free(&subject);
+    return was_interrupted();
+  }
+  const dls_status status = race_run(&a, &subject.contact, &subject, &plan, &error);
   if (status)
     (void)complain_of(name, &error);
   else if (!a.interrupted)
     profile_take(p, &a, subject.name);
   race_free(&a);
-  named_free(&subject);
+  problem_free(&subject);
   return !status;
 }
 
@@ -247,7 +252,7 @@ static taken take_profile_option(int key, const char *text, void *data) {
   if (key == 'b') return parse_number("budget", text, &o->budget);
   if (key == 't') return parse_number("tol", text, &o->tol);
   if (key == KEY_PORTFOLIO) return o->portfolio = 1, OPTION_TAKEN;
-  if (key != 'o') return OPTION_UNKNOWN;
+  if (key != 'o') return take_source_option(key, text, &o->from);
   o->out = text;
   return OPTION_TAKEN;
 }
@@ -256,16 +261,17 @@ int command_profile(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
                                           VALUE("budget", 'b'), VALUE("out", 'o'),
                                           VALUE("tol", 't'),    FLAG("portfolio", KEY_PORTFOLIO),
-                                          LAST_OPTIONS};
+                                          SOURCE_OPTIONS,       LAST_OPTIONS};
   static const command profile_command = {"r:l:b:o:t:", options, profile_usage, take_profile_option,
                                           0};
   profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_names(argv[0]);
+  int count = argc - optind;
+  char **names = source_names(&count, argv, &o.from);
+  if (!names) return EXIT_BAD_INPUT;
   watch_interrupt();
-  const int count = leave_lcps(argc - optind, argv + optind);
   if (!count) return EXIT_SOLVED;
-  return o.portfolio ? run_portfolio(count, argv + optind, o.tol, o.limit)
-                     : run_profile(count, argv + optind, &o);
+  return o.portfolio ? run_portfolio(count, names, &o.from, o.tol, o.limit)
+                     : run_profile(count, names, &o);
 }

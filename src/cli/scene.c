@@ -596,7 +596,7 @@ int command_scene(int argc, char **argv) {
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
   o.json = is_json();
-  if (!names_a_scene(o.name)) return no_scene(o.name);
+  if (!kind_of_scene(o.name)) return no_scene(o.name);
   watch_interrupt();
   return run_scene(&o);
 }
