@@ -41,7 +41,7 @@ static void chart_usage(FILE *out) {
         "\n"
         "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"
         "  -l, --limit=S         CPU seconds for a solve (1), or 30 times the fastest if that is\n"
-        "                        more\n"
+        "                        more; in need ten times as many\n"
         "  -b, --budget=S        approximate CPU seconds of all solves (12)\n"
         "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
         "printed)\n" LAST_USAGE "\n"
@@ -325,7 +325,7 @@ static int chart_fails(const chart *c) {
 
 static int run_chart(const char *name, const chart_options *o) {
   const char *out = NULL;
-  chart c = {0};
+  chart c = {.limit = o->limit};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
   dls_status status = DLS_OK;

@@ -19,7 +19,7 @@ typedef struct chart_answer {
 typedef struct chart {
   problem subject;
   race race;
-  double tol[CHART_RUNGS];
+  double tol[CHART_RUNGS], limit; /* limit: CPU seconds */
   int in_u;      /* 1: errors are measured in u, for W is rank deficient; 0: in r */
   double *error; /* contenders x rungs: from the answer that the method went to; NaN: unknown */
   int answers;

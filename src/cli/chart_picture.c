@@ -147,65 +147,15 @@ static void plot_curves(FILE *s, const chart *c, int x, int y) {
   fputs("\n", s);
 }
 
-/* A cross where a method gave up, and its words, which stretch from left to right at height b. */
-typedef struct cross {
-  double x, y; /* on the axes */
-  double a, b; /* in the panel, 0 to 1; b of the words */
-  double left, right;
-  int of, before; /* contender; 1: the words stand before the cross */
-  char words[64];
-} cross;
-
-static int higher_cross(const void *p, const void *q) {
-  const cross *a = p, *b = q;
-  return (a->b < b->b) - (a->b > b->b);
-}
-
-static double part_of(double x, double lo, double hi) {
-  return log(x / lo) / log(hi / lo);
-}
-
-static int find_crosses(const chart *c, const ranges *g, cross *all) {
-  static const double letter = 0.0122, gap = 0.018; /* of the panel's width */
-  int count = 0;
+/* Writes a mark for each contender that gave up, where it gave up: a cross, or a ring where that is
+ * not decided. The table has the verdicts. */
+static void write_marks(FILE *s, const chart *c, const ranges *g) {
   for (int k = 0; k < c->race.count; k++) {
     const trial *t = race_trial(&c->race, k, c->race.rungs - 1);
     if (t->end == ENDED_SOLVED) continue; /* else the first rung that failed stands there */
-    cross *p = &all[count++];
-    *p = (cross){.x = 1e3 * t->seconds, .y = at_least(t->residual, 10 * least_residual), .of = k};
-    p->y = fmin(p->y, g->residual_max / 2);
-    p->a = part_of(p->x, g->ms_min, g->ms_max);
-    p->b = part_of(p->y, least_residual, g->residual_max);
-    const int letters =
-        snprintf(p->words, sizeof p->words, "%s: %s", c->race.who[k].name, ending_word(t->end));
-    p->before = p->a > 0.55;
-    p->left = p->a + gap - (p->before ? 2 * gap + letters * letter : 0);
-    p->right = p->left + letters * letter;
-  }
-  qsort(all, (size_t)count, sizeof *all, higher_cross);
-  return count;
-}
-
-/* Writes a cross and its verdict for each contender that gave up; words move down until none
- * overlap. */
-static void write_crosses(FILE *s, const chart *c, const ranges *g) {
-  static const double line = 0.062;
-  cross all[MOST_CONTENDERS];
-  const int count = find_crosses(c, g, all);
-  for (int i = 0; i < count; i++) {
-    cross *p = &all[i];
-    for (int j = 0; j < i; j++) {
-      const cross *q = &all[j];
-      if (q->left > p->right || q->right < p->left || fabs(q->b - p->b) > 0.99 * line) continue;
-      p->b = q->b - line;
-      j = -1; /* the new place may touch others */
-    }
-    fprintf(s, "  set label '' at first %.5g,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n", p->x,
-            p->y, c->race.who[p->of].colour);
-    fprintf(
-        s, "  set label '%s' at graph %.4f,%.4f %s tc rgb '%s' font ',11' noenhanced front boxed\n",
-        p->words, p->before ? p->right : p->left, p->b, p->before ? "right" : "left",
-        c->race.who[p->of].colour);
+    fprintf(s, "  set label '' at first %.5g,%.5g point pt %d ps 1.8 lw 3 lc rgb '%s' front\n",
+            1e3 * t->seconds, fmin(at_least(t->residual, 10 * least_residual), g->residual_max / 2),
+            t->end == ENDED_UNDECIDED ? 6 : 2, c->race.who[k].colour);
   }
 }
 
@@ -229,7 +179,7 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
           "  set logscale xy\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
           "  set format x '10^{%%T}'\n  set format y '10^{%%T}'\n  set ytics 1e-16,1e4\n",
           g->ms_min, g->ms_max, least_residual, g->residual_max);
-  write_crosses(s, c, g);
+  write_marks(s, c, g);
   if (isfinite(race_fastest(&c->race, 0, 0)))
     fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
   else
@@ -239,8 +189,8 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
 
 static void write_ratios(FILE *s, const chart *c, const ranges *g) {
   const race *a = &c->race;
-  begin_panel(s, 1, "CPU over the fastest at each tolerance; crosses: gave up", "tolerance, digits",
-              "CPU / fastest");
+  begin_panel(s, 1, "CPU over the fastest; crosses: gave up; rings: not decided",
+              "digits of the tolerance", "CPU / fastest");
   fprintf(
       s,
       "  unset logscale x\n  set xrange [1.5:14.5]\n  set yrange [0.9:%g]\n  set format x '%%g'\n"
@@ -250,8 +200,9 @@ static void write_ratios(FILE *s, const chart *c, const ranges *g) {
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       if (race_trial(a, k, rung)->end == ENDED_SOLVED) continue;
-      fprintf(s, "  set label '' at first %.3f,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n",
-              -log10(a->tol[rung]) + 0.25 * shift[rung]++, 1.45 * g->ratio_max, a->who[k].colour);
+      fprintf(s, "  set label '' at first %.3f,%.5g point pt %d ps 1.8 lw 3 lc rgb '%s' front\n",
+              -log10(a->tol[rung]) + 0.25 * shift[rung]++, 1.45 * g->ratio_max,
+              race_trial(a, k, rung)->end == ENDED_UNDECIDED ? 6 : 2, a->who[k].colour);
       break;
     }
   fputs("  plot 2 with filledcurves y1=0.9 fc rgb '#e4e4e4'", s);
@@ -385,11 +336,12 @@ static int write_chart_script(const chart *c, const char *directory) {
         s);
   fputs("  set multiplot\n", s);
   fprintf(s,
-          "  set label 100 %s.': %dD, %d candidate%s' at screen 0.06,0.975 left font ',17' "
+          "  set label 100 %s.': %dD, %d candidate%s; measured, CPU up to %g s a solve' at screen "
+          "0.06,0.975 left font ',17' "
           "noenhanced\n  set label 101 %s at screen 0.06,0.947 left font ',15' noenhanced tc rgb "
           "'#0050a0'\n",
           quote(AS_GNUPLOT, c->subject.name).text, c->race.d, c->race.nc, plural(c->race.nc),
-          quote(AS_GNUPLOT, advice).text);
+          10 * c->limit, quote(AS_GNUPLOT, advice).text);
   fputs("  set lmargin at screen 0\n  set rmargin at screen 1\n  set bmargin at screen 0.92\n"
         "  set tmargin at screen 1\n  unset border\n  unset tics\n  set xrange [0:1]\n"
         "  set yrange [0:1]\n  plot -1 with lines\n  set border\n  set tics\n",

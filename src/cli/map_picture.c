@@ -95,6 +95,8 @@ static layout lay_out(const map_picture *p) {
   for (int k = 0; k < p->panels * p->rows * p->columns; k++)
     if (strlen(p->cells[k].text) > widest) widest = strlen(p->cells[k].text);
   const int many = p->panels > 1;
+  for (int j = 0; j < p->columns && !many; j++)
+    if (strlen(p->column[j]) > widest) widest = strlen(p->column[j]);
   layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8 * (double)widest),
               .cell_h = many           ? 26
                         : p->rows > 24 ? 22
@@ -157,7 +159,8 @@ static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int 
   fprintf(
       s,
       "  plot 'map.dat' index %d using 1:2:(0.49):(0.47):3 with boxxyerror fs solid noborder lc "
-      "rgb variable, \\\n       '' index %d using ($6 ? $1 : NaN):2:(0.49):(0.47) with boxxyerror "
+      "rgb variable, \\\n       '' index %d using ($6 > 0 ? $1 : NaN):2:(0.49):(0.47) with "
+      "boxxyerror "
       "fs "
       "transparent pattern 4 noborder lc rgb '#909090', \\\n       '' index %d using 1:2:5:4 with "
       "labels font ',%d' tc rgb variable\n  unset arrow\n",
@@ -235,8 +238,22 @@ static int write_map_script(const map_picture *p) {
   return close_file(s, "map.gp");
 }
 
+/* Takes out the columns of a panel in which no cell is filled. */
+static void drop_columns(map_picture *p) {
+  const int columns = p->columns;
+  int kept = 0, filled[MAP_COLUMNS] = {0};
+  for (int k = 0; k < p->rows * columns; k++)
+    filled[k % columns] |= p->cells[k].colour[0] != 0;
+  for (int j = 0; j < columns; j++)
+    if (filled[j]) memmove(p->column[kept++], p->column[j], MAP_NAME);
+  p->columns = kept;
+  for (int k = 0, to = 0; k < p->rows * columns; k++)
+    if (filled[k % columns]) p->cells[to++] = p->cells[k];
+}
+
 int draw_map(const map_picture *given) {
   map_picture p = *given;
+  if (p.panels == 1 && p.rows) drop_columns(&p);
   qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
   if (!write_map_data(&p) || !write_map_script(&p)) return EXIT_BAD_INPUT;
   if (run_gnuplot(p.directory, "map.gp"))

@@ -34,7 +34,7 @@ static void profile_usage(FILE *out) {
       "\n"
       "  -r, --repeat=N        time each solve up to N times and use the least (15)\n"
       "  -l, --limit=S         CPU seconds for a solve (0.5), or 30 times the fastest if that is\n"
-      "                        more\n"
+      "                        more; in need ten times as many\n"
       "  -b, --budget=S        approximate CPU seconds for a problem (6)\n"
       "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is printed)\n"
       "      --portfolio       instead: the steps of auto, on how many problems each was taken, "
@@ -52,9 +52,9 @@ typedef struct profile {
   int solvers, problems, most;
   contender who[MOST_CONTENDERS];
   char (*name)[96];
-  double *seconds; /* (rung * solvers + solver) * most + problem; INFINITY: not solved */
+  double *seconds; /* (rung * solvers + solver) * most + problem; as in profile.h */
   FILE *csv;
-  int failed; /* problems that auto did not solve to every tolerance */
+  int failed; /* problems that auto did not answer to every tolerance */
 } profile;
 
 static double *profile_seconds(const profile *p, int rung, int solver, int which) {
@@ -63,23 +63,26 @@ static double *profile_seconds(const profile *p, int rung, int solver, int which
 
 /* ---- measuring ------------------------------------------------------------------------------- */
 
-/* Takes the times of a race; methods that its size left out have solved nothing. */
+/* Takes the times of a race. A proof that there is no solution is an answer. */
 static void profile_take(profile *p, const race *a, const char *name) {
   int failed = 0;
   (void)snprintf(p->name[p->problems], sizeof p->name[0], "%s", name);
   for (int rung = 0; rung < PROFILE_RUNGS; rung++) {
     for (int k = 0; k < p->solvers; k++)
-      *profile_seconds(p, rung, k, p->problems) = INFINITY;
+      *profile_seconds(p, rung, k, p->problems) = PROFILE_TOOK_NO_PART;
     for (int i = 0; i < a->count; i++) {
       const trial *t = race_trial(a, i, rung);
       for (int k = 0; k < p->solvers; k++)
-        if (strcmp(p->who[k].name, a->who[i].name) == 0 && t->end == ENDED_SOLVED)
-          *profile_seconds(p, rung, k, p->problems) = t->seconds;
+        if (strcmp(p->who[k].name, a->who[i].name) == 0)
+          *profile_seconds(p, rung, k, p->problems) = is_answer(t->end) ? t->seconds
+                                                      : t->end == ENDED_UNDECIDED
+                                                          ? PROFILE_NOT_DECIDED
+                                                          : PROFILE_NOT_ANSWERED;
       fprintf(p->csv, "%s,%d,%d,%s,%.0e,%s,%.4e,%d,%.3e\n", quote(AS_CSV, name).text, a->d, a->nc,
               a->who[i].name, profile_tol[rung], ending_word(t->end), t->seconds, t->iterations,
               t->residual);
     }
-    failed |= race_trial(a, 0, rung)->end != ENDED_SOLVED;
+    failed |= !is_answer(race_trial(a, 0, rung)->end);
   }
   fflush(p->csv);
   p->failed += failed;
@@ -116,18 +119,27 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Prints for each method how many it solved to a tolerance, and its CPU over the fastest. */
+static double fastest_of(const profile *p, int rung, int first, int which) {
+  double fastest = INFINITY;
+  for (int k = first; k < p->solvers; k++) {
+    const double seconds = *profile_seconds(p, rung, k, which);
+    if (seconds >= 0) fastest = fmin(fastest, seconds);
+  }
+  return fastest;
+}
+
+/* Prints for each method how many of those that it takes part in it answered to a tolerance, and
+ * its CPU over the fastest. */
 static void print_target(const profile *p, int rung, double *ratio) {
   printf("\n%-22s  to %.0e: solved   CPU/fastest: median     worst\n", "method", profile_tol[rung]);
   for (int k = 0; k < p->solvers; k++) {
-    int count = 0, worst = 0;
+    int count = 0, worst = 0, parts = 0, open = 0;
     double most = 0;
     for (int i = 0; i < p->problems; i++) {
-      double fastest = INFINITY;
-      for (int j = 0; j < p->solvers; j++)
-        fastest = fmin(fastest, *profile_seconds(p, rung, j, i));
-      const double seconds = *profile_seconds(p, rung, k, i);
-      if (!isfinite(seconds)) continue;
+      const double fastest = fastest_of(p, rung, 0, i), seconds = *profile_seconds(p, rung, k, i);
+      parts += !isnan(seconds);
+      open += seconds < 0;
+      if (!isfinite(seconds) || seconds < 0) continue;
       if (seconds / fastest > most) {
         most = seconds / fastest;
         worst = i;
@@ -136,10 +148,14 @@ static void print_target(const profile *p, int rung, double *ratio) {
     }
     qsort(ratio, (size_t)count, sizeof *ratio, by_size);
     if (count)
-      printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s\n", p->who[k].name, count, p->problems,
+      printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s", p->who[k].name, count, parts,
              ratio[(count - 1) / 2], most, quote(AS_SHOWN, p->name[worst]).text);
+    else if (parts)
+      printf("%-22s  %11d/%-3d", p->who[k].name, 0, parts);
     else
-      printf("%-22s  %11d/%-3d\n", p->who[k].name, 0, p->problems);
+      printf("%-22s  takes part in none", p->who[k].name);
+    if (open) printf("; not decided: %d", open);
+    putchar('\n');
   }
 }
 
@@ -149,10 +165,8 @@ static void print_auto(const profile *p, double *ratio) {
   double most = 0;
   for (int rung = 0; rung < PROFILE_RUNGS; rung++)
     for (int i = 0; i < p->problems; i++) {
-      double single = INFINITY;
-      for (int k = 1; k < p->solvers; k++)
-        single = fmin(single, *profile_seconds(p, rung, k, i));
-      const double seconds = *profile_seconds(p, rung, 0, i);
+      const double single = fastest_of(p, rung, 1, i), own = *profile_seconds(p, rung, 0, i);
+      const double seconds = own >= 0 ? own : INFINITY;
       only_others += isfinite(single) && !isfinite(seconds);
       only_auto += !isfinite(single) && isfinite(seconds);
       if (!isfinite(single) || !isfinite(seconds)) continue;
@@ -173,12 +187,12 @@ static void print_auto(const profile *p, double *ratio) {
          PROFILE_RUNGS * p->problems);
 }
 
-static int draw_profile(const profile *p, const char *directory) {
+static int draw_profile(const profile *p, const char *directory, double limit) {
   static const char *const targets[] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
   const char *solvers[MOST_CONTENDERS], **names = malloc((size_t)p->problems * sizeof *names);
   const size_t cells = (size_t)p->solvers * (size_t)p->problems;
   double *seconds = malloc(PROFILE_TARGETS * cells * sizeof *seconds);
-  char title[120];
+  char title[120], notes[160];
   int good = names && seconds;
   for (int k = 0; k < p->solvers; k++)
     solvers[k] = p->who[k].name;
@@ -191,9 +205,16 @@ static int draw_profile(const profile *p, const char *directory) {
   }
   (void)snprintf(title, sizeof title, "Every method on %d problem%s", p->problems,
                  plural(p->problems));
+  (void)snprintf(
+      notes, sizeof notes,
+      "measured CPU. An answer is a solution, or the proof that there is none. Not decided: "
+      "no verdict in %g s of CPU (or 300 times the fastest)",
+      10 * limit);
   const profile_picture picture = {.directory = directory,
                                    .name = "profile",
                                    .title = title,
+                                   .notes = notes,
+                                   .absent = "takes part in none",
                                    .solvers = p->solvers,
                                    .problems = p->problems,
                                    .targets = PROFILE_TARGETS,
@@ -231,7 +252,7 @@ static int run_profile(int count, char **list, const profile_options *o) {
     for (int t = 0; t < PROFILE_TARGETS && prints_text(); t++)
       print_target(&p, profile_target[t], ratio);
     if (prints_text()) print_auto(&p, ratio);
-    good = draw_profile(&p, out);
+    good = draw_profile(&p, out, o->limit);
   }
   free(ratio);
   free(p.name);
