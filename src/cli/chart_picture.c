@@ -31,16 +31,17 @@ static int write_chart_csv(const chart *c, const char *directory) {
   const race *a = &c->race;
   FILE *file = open_in(directory, "chart.csv");
   if (!file) return 0;
-  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer\n", file);
+  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer,longer\n",
+        file);
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       const trial *t = race_trial(a, k, rung);
       const int solved = t->end == ENDED_SOLVED;
-      fprintf(file, "%s,%.0e,%s,%d,%.4e,%.3f,%d,%.17g,%.3e,%c\n", a->who[k].name, a->tol[rung],
+      fprintf(file, "%s,%.0e,%s,%d,%.4e,%.3f,%d,%.17g,%.3e,%c,%d\n", a->who[k].name, a->tol[rung],
               ending_word(t->end), t->asked, t->seconds,
               solved ? t->seconds / race_fastest(a, rung, 0) : (double)NAN, t->iterations,
               t->residual, c->error[k * a->rungs + rung],
-              solved && c->went_to[k] >= 0 ? 'A' + c->went_to[k] : '-');
+              solved && c->went_to[k] >= 0 ? 'A' + c->went_to[k] : '-', t->longer);
     }
   return close_file(file, "chart.csv");
 }
@@ -121,12 +122,11 @@ static ranges find_ranges(const chart *c) {
 
 static void begin_panel(FILE *s, int i, const char *title, const char *x, const char *y) {
   const panel *p = &panels[i];
+  place_panel(s, p->left, p->right, p->bottom, p->top);
   fprintf(s,
-          "  set lmargin at screen %g\n  set rmargin at screen %g\n  set bmargin at screen %g\n"
-          "  set tmargin at screen %g\n  unset label\n  unset arrow\n  unset object\n"
-          "  set title '{/:Bold %s}' offset 0,-0.6\n  set xlabel '%s' offset 0,0.5\n"
-          "  set ylabel '%s' offset 0.8,0\n",
-          p->left, p->right, p->bottom, p->top, title, x, y);
+          "  unset label\n  unset arrow\n  unset object\n  set title '{/:Bold %s}' offset 0,-0.6\n"
+          "  set xlabel '%s' offset 0,0.5\n  set ylabel '%s' offset 0.8,0\n",
+          title, x, y);
 }
 
 /* Draws a curve of each contender that solved a rung, column y over column x, auto last and
@@ -282,12 +282,11 @@ static void write_key(FILE *s, const chart *c) {
   const race *a = &c->race;
   const double line = 0.245 / (a->count + 1);
   char cell[400];
-  fputs(
-      "  set lmargin at screen 0.01\n  set rmargin at screen 0.99\n  set bmargin at screen 0.005\n"
-      "  set tmargin at screen 0.28\n  unset label\n  unset arrow\n  unset title\n  unset xlabel\n"
-      "  unset ylabel\n  unset border\n  unset tics\n  unset grid\n  unset logscale\n"
-      "  set xrange [0:1]\n  set yrange [0:1]\n",
-      s);
+  place_panel(s, 0.01, 0.99, 0.005, 0.28);
+  fputs("  unset label\n  unset arrow\n  unset title\n  unset xlabel\n"
+        "  unset ylabel\n  unset border\n  unset tics\n  unset grid\n  unset logscale\n"
+        "  set xrange [0:1]\n  set yrange [0:1]\n",
+        s);
   for (int i = 0; i < CHART_TARGETS; i++)
     fprintf(s, "  set label '{/:Bold %s}' at screen %g,%g left font ',12'\n", head[i],
             column[2 + i], top);
@@ -342,8 +341,8 @@ static int write_chart_script(const chart *c, const char *directory) {
           "'#0050a0'\n",
           quote(AS_GNUPLOT, c->subject.name).text, c->race.d, c->race.nc, plural(c->race.nc),
           10 * c->limit, quote(AS_GNUPLOT, advice).text);
-  fputs("  set lmargin at screen 0\n  set rmargin at screen 1\n  set bmargin at screen 0.92\n"
-        "  set tmargin at screen 1\n  unset border\n  unset tics\n  set xrange [0:1]\n"
+  place_panel(s, 0, 1, 0.92, 1);
+  fputs("  unset border\n  unset tics\n  set xrange [0:1]\n"
         "  set yrange [0:1]\n  plot -1 with lines\n  set border\n  set tics\n",
         s);
   write_work(s, c, &g);

@@ -484,6 +484,12 @@ int run_gnuplot(const char *directory, const char *script);
  * closes the brace. */
 void begin_pictures(FILE *script, const char *name, double width, double height);
 
+/* Returns the colour of a state of contact in all pictures. */
+const char *state_colour(dls_contact_state state);
+
+/* Places the next plot of a script: its edges in parts of the picture, from the lower left. */
+void place_panel(FILE *script, double left, double right, double bottom, double top);
+
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
 

@@ -144,7 +144,7 @@ static int write_plastic(const char *directory, const char *title, const dls_for
   if (!script) return 0;
   put_ranges(script, &w);
   fprintf(script,
-          "set title %s.': equivalent plastic strain'\n"
+          "set title %s.': equivalent plastic strain [-]'\n"
           "set palette defined (0 '#f4f4f4', 0.4 '#f0b060', 0.7 '#c03020', 1 '#400020')\n"
           "set cbrange [0:%g]\nset style fill solid 1 noborder\n",
           quote(AS_GNUPLOT, title).text, largest > 0 ? largest : 1);
@@ -169,7 +169,7 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
   begin_pictures(script, "pressure", 1100, 520);
   fprintf(script,
           "  set multiplot layout 1,2 title %s\n"
-          "  set key %s\n  set grid\n  set ylabel 'MPa'\n"
+          "  set key %s\n  set grid\n  set ylabel 'traction [MPa]'\n"
           "  set tmargin at screen 0.88\n  set bmargin at screen 0.14\n"
           "  set lmargin at screen 0.1\n  set rmargin at screen 0.45\n"
           "  plot 'pressure_end.dat' using 1:2 with linespoints pt 7 ps 0.5 lc rgb '#3060a0' "

@@ -44,8 +44,9 @@ int draw_history(const char *directory, const char *title) {
         s);
   begin_pictures(s, "history", 1300, 560);
   fprintf(s,
-          "  set multiplot layout 1,2 title %s noenhanced\n  set key inside top right "
-          "box opaque\n  set ylabel 'residual of the certificate'\n",
+          "  set multiplot layout 1,2 title %s noenhanced\n  set key outside bottom center "
+          "horizontal\n  set xrange [0:*]\n  set bmargin 6\n  set ylabel 'residual of the "
+          "certificate'\n",
           quote(AS_GNUPLOT, title).text);
   for (int panel = 0; panel < 2; panel++) {
     fprintf(s,

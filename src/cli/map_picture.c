@@ -117,10 +117,7 @@ static layout lay_out(const map_picture *p) {
 
 static void set_pixels(FILE *s, const layout *l, double left, double right, double top,
                        double bottom) {
-  fprintf(s,
-          "  set lmargin at screen %.5f\n  set rmargin at screen %.5f\n"
-          "  set tmargin at screen %.5f\n  set bmargin at screen %.5f\n",
-          left / l->width, right / l->width, 1 - top / l->height, 1 - bottom / l->height);
+  place_panel(s, left / l->width, right / l->width, 1 - bottom / l->height, 1 - top / l->height);
 }
 
 /* Names every row and column. Rows have the names of files, which tics would take as formats of

@@ -232,8 +232,17 @@ static int write_series(const moving_files *f, const char *directory, const dls_
   if (!join_path(path, directory, name)) return 0;
   double *stress = malloc(3 * (size_t)elements * sizeof *stress);
   if (!stress) return complain("%s: out of memory", path), 0;
+  const dls_fe_fields fields = {.displacement = d->displacement,
+                                .reaction = d->reaction,
+                                .stress = stress,
+                                .nu = d->nu,
+                                .candidates = d->candidates,
+                                .node = d->candidate_node,
+                                .state = d->state.state,
+                                .gap = d->state.gap,
+                                .slip = d->state.slip};
   const int bad = dls_fe_stress(d->mesh, d->E, d->nu, d->displacement, stress, &error) ||
-                  dls_fe_write_vtu(path, d->mesh, d->displacement, d->reaction, stress, &error) ||
+                  dls_fe_write_fields(path, d->mesh, &fields, &error) ||
                   dls_fe_series_add(f->series, d->state.t, 0, name, &error);
   free(stress);
   if (bad) complain_of(path, &error);

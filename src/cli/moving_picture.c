@@ -3,6 +3,18 @@
 
 #include "cli.h"
 
+/* Units of the axes: the bars have none, the blocks are in SI. Forces are per unit of thickness. A
+ * path has no time. */
+typedef struct axis_units {
+  const char *time, *length, *force, *energy, *pressure;
+} axis_units;
+
+static const axis_units *units_of(const dls_moving_data *d) {
+  static const axis_units none = {"-", "-", "-", "-", "-"}, si = {"s", "m", "N/m", "J/m", "Pa"},
+                          path = {"-", "m", "N/m", "J/m", "Pa"};
+  return d->has_exact ? &none : d->dynamic ? &si : &path;
+}
+
 /* Draws energies and works against time; those that stay below 1e-6 of the largest are left out.
  * `balance` is energy less all works: a straight line. */
 static int write_energies(const char *directory, const dls_moving_data *d) {
@@ -23,13 +35,14 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
   const double whole = fmax(fmax(d->energy_start, e->kinetic + e->elastic), fabs(e->load));
   FILE *script = open_in(directory, "energy.gp");
   if (!script) return 0;
-  fprintf(script,
-          "set title %s.': energies and works'\nset datafile separator ','\nset grid\n"
-          "set bmargin at screen 0.22\n"
-          "set key at screen 0.5,0.01 center bottom horizontal maxcols 3\nset xlabel 'time'\nset "
-          "ylabel 'energy'\n"
-          "set xrange [0:%g]\n",
-          quote(AS_GNUPLOT, d->name).text, d->state.t);
+  fprintf(
+      script,
+      "set title %s.': energies and works'\nset datafile separator ','\nset grid\n"
+      "set bmargin at screen 0.22\n"
+      "set key at screen 0.5,0.01 center bottom horizontal maxcols 3\nset xlabel 'time [%s]'\nset "
+      "ylabel 'energy [%s]'\n"
+      "set xrange [0:%g]\n",
+      quote(AS_GNUPLOT, d->name).text, units_of(d)->time, units_of(d)->energy, d->state.t);
   begin_pictures(script, "energy", 1000, 640);
   fputs("  plot 'energy.csv' every ::1 using 1:10 with lines lw 5 lc rgb '#dddddd' title 'energy "
         "less all works'",
@@ -59,25 +72,27 @@ static int write_map(const char *directory, const dls_moving_data *d) {
           "if (!(b > a)) { a = 0; b = %g }\n" /* no contact: all of it */
           "m = 0.15*(b - a)\n"
           "set xrange [a - m < 0 ? 0 : a - m:b + m > %g ? %g : b + m]\n"
-          "set xlabel 'time'\nset ylabel 'x along the surface'\n"
+          "set xlabel 'time [%s]'\nset ylabel 'x along the surface [%s]'\n"
           "set yrange [%g:%g]\nset format y '%%.3g'\nset key off\n"
           "set lmargin at screen 0.11\nset rmargin at screen 0.85\n",
-          d->state.t, d->state.t, d->state.t, first - half, last + half);
+          d->state.t, d->state.t, d->state.t, units_of(d)->time, units_of(d)->length, first - half,
+          last + half);
   begin_pictures(script, "map", 1000, 760);
   fprintf(script,
           "  set multiplot layout 2,1\n"
-          "  set title %s.': pressure r_n / length'\n"
+          "  set title %s.': pressure r_n / length [%s]'\n"
           "  set palette defined (0 '#f7f7f7', 0.01 '#fee8c8', 0.4 '#fdbb84', 0.7 '#e34a33', "
           "1 '#7f0000')\n"
           "  set cbrange [0:*]\n  set cbtics auto\n  set format cb '%%.2g'\n"
           "  plot 'map.dat' using 1:2:3 with image\n"
           "  set title 'state of the candidates'\n"
-          "  set palette maxcolors 3 defined (0 '#f0f0f0', 1 '#e69f00', 2 '#0072b2')\n"
+          "  set palette maxcolors 3 defined (0 '%s', 1 '%s', 2 '%s')\n"
           "  set cbrange [-0.5:2.5]\n  set format cb '%%g'\n"
           "  set cbtics ('free' 0, 'slip' 1, 'stick' 2)\n"
           "  plot 'map.dat' using 1:2:4 with image\n"
           "  unset multiplot\n  unset output\n}\n",
-          quote(AS_GNUPLOT, d->name).text);
+          quote(AS_GNUPLOT, d->name).text, units_of(d)->pressure, state_colour(DLS_FREE),
+          state_colour(DLS_SLIP), state_colour(DLS_STICK));
   return close_file(script, "map.gp");
 }
 
@@ -93,11 +108,11 @@ static int write_bar(const char *directory, const dls_moving_data *d) {
   fprintf(script,
           "  set multiplot layout 2,1\n"
           "  set label 1 %s.', %d elements: gap, L2 error %.3g' at graph 0,1.06\n"
-          "  set ylabel 'gap'\n  set format x ''\n"
+          "  set ylabel 'gap [-]'\n  set format x ''\n"
           "  plot 'bar.dat' using 1:3 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:2 with lines lw 1.5 lc rgb '#0072b2' title 'computed'\n"
           "  set label 1 'force of the wall' at graph 0,1.06\n"
-          "  set ylabel 'force'\n  set xlabel 'time'\n  set format x '%%g'\n"
+          "  set ylabel 'force [-]'\n  set xlabel 'time [-]'\n  set format x '%%g'\n"
           "  plot 'bar.dat' using 1:5 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:4 with lines lw 1.2 lc rgb '#0072b2' title 'computed'\n"
           "  unset xlabel\n  unset multiplot\n  unset output\n}\n",
@@ -111,7 +126,7 @@ static int write_loop(const char *directory, const dls_moving_data *d) {
   if (!script) return 0;
   fprintf(script,
           "set title %s.': hysteresis'\nset grid\nset key top left\n"
-          "set xlabel 'way of the obstacle'\nset ylabel 'sum of r_t'\n"
+          "set xlabel 'way of the obstacle [m]'\nset ylabel 'sum of r_t [N/m]'\n"
           "set xtics %g\nset format y '%%.3g'\n",
           quote(AS_GNUPLOT, d->name).text, d->settings.amplitude / 2);
   begin_pictures(script, "loop", 800, 640);

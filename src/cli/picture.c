@@ -129,6 +129,17 @@ void mesh_box(int nodes, const double *xy, const double *displacement, double lo
   }
 }
 
+void place_panel(FILE *script, double left, double right, double bottom, double top) {
+  fprintf(script,
+          "  set lmargin at screen %.5g\n  set rmargin at screen %.5g\n"
+          "  set bmargin at screen %.5g\n  set tmargin at screen %.5g\n",
+          left, right, bottom, top);
+}
+
+const char *state_colour(dls_contact_state state) {
+  return state == DLS_FREE ? "#909090" : state == DLS_SLIP ? "#d95f02" : "#1b7837";
+}
+
 void begin_pictures(FILE *script, const char *name, double width, double height) {
   fprintf(script,
           "set encoding utf8\ndo for [type in 'png svg'] {\n"
@@ -151,8 +162,7 @@ static double round_down(double x) {
   return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
 }
 
-/* Colours of the states, in their order, and of the two components of a reaction. */
-static const char *const state_colour[] = {"#909090", "#d95f02", "#1b7837"};
+/* Colours of the two components of a reaction. */
 static const char blue[] = "#3060a0", red[] = "#c03020";
 
 /* Draws the sides of the triangles, displaced `amplify` times. */
@@ -229,7 +239,8 @@ static int write_deformed(const scene_picture *p) {
     fprintf(script,
             ", \\\n       '' index %d using 1:2:3:4 with vectors head size %.3g,20,60 filled lw "
             "%.2g lc rgb '%s' title '%s'",
-            k + 1, head, fmax(0.5, 2 * thin), state_colour[k], state_word((dls_contact_state)k));
+            k + 1, head, fmax(0.5, 2 * thin), state_colour((dls_contact_state)k),
+            state_word((dls_contact_state)k));
   fputs("\n  unset output\n}\n", script);
   return close_file(script, "deformed.gp");
 }
@@ -261,7 +272,7 @@ static int write_reactions(const scene_picture *p) {
     fprintf(script,
             ", \\\n       '' using 1:($6==%d?$3:NaN) with points pt 7 ps %.2g lc rgb '%s' "
             "title '%s'",
-            k, point, state_colour[k], state_word((dls_contact_state)k));
+            k, point, state_colour((dls_contact_state)k), state_word((dls_contact_state)k));
   const double *const paper[] = {p->paper_rn, p->paper_rt};
   static const char *const points[] = {"1:5 with points pt 6 ps 2.2 lw 1.5 lc rgb '#3060a0' "
                                        "title 'R_N paper'",

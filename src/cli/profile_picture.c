@@ -134,12 +134,9 @@ static void write_style(FILE *s, const profile_picture *p, int k) {
           dashed ? reds[peers % 5] : method_colour(p->solver[k]));
 }
 
-static void set_edges(FILE *s, double left, double right, double bottom, double top) {
-  fprintf(s,
-          "  set lmargin at screen %.4f\n  set rmargin at screen %.4f\n"
-          "  set bmargin at screen %.4f\n  set tmargin at screen %.4f\n"
-          "  unset label\n  unset arrow\n  unset title\n",
-          left, right, bottom, top);
+static void begin_plot(FILE *s, double left, double right, double bottom, double top) {
+  place_panel(s, left, right, bottom, top);
+  fputs("  unset label\n  unset arrow\n  unset title\n", s);
 }
 
 /* Draws the profiles of a target, and under them the key: a sample, and how many it solved. */
@@ -147,7 +144,7 @@ static void write_profile_curves(FILE *s, const profile_picture *p, int target, 
                                  double left, double right, double *taus) {
   const int half = (p->solvers + 1) / 2;
   const double top = 0.517, line = fmin(0.021, 0.112 / half);
-  set_edges(s, left, right, 0.575, 0.92);
+  begin_plot(s, left, right, 0.575, 0.92);
   fprintf(s,
           "  set title '{/:Bold %s}' offset 0,-0.6\n  set logscale x\n  unset logscale y\n"
           "  set xrange [1:%g]\n  set yrange [0:1.02]\n  set format x '%%g'\n"
@@ -182,7 +179,7 @@ static void write_profile_curves(FILE *s, const profile_picture *p, int target, 
 static void write_strip(FILE *s, const profile_picture *p, int target, const strip *all,
                         double left, double right, double *taus) {
   const int step = p->problems > 8 ? p->problems / 4 : p->problems > 1 ? p->problems - 1 : 1;
-  set_edges(s, left, right, 0.075, 0.36);
+  begin_plot(s, left, right, 0.075, 0.36);
   fprintf(s,
           "  set title 'each problem, from quick to slow' offset 0,-0.6 font ',12'\n  unset "
           "logscale x\n  set logscale y\n  set xrange [0:%d]\n"
