@@ -60,7 +60,7 @@ draw sensitivity-jean 0 info --sensitivity "$p/jean-fig3-64x32.hdf5"
 draw map-jean 3 map jean-fig3
 draw map-wedge 1 map data/failures/c03-jam-below.txt --mu 0:3
 draw map-catalogue 1 map data/failures/c*.txt
-draw map-condition 1 map jean-fig3 --against condition --samples 2 --rows 4
+draw map-condition 0.5 map jean-fig3 --against condition
 draw map-extrusion 3 map extrusion --rows 5 --mu 0.05:0.5
 # takes half an hour of CPU and more: MESHES=1 asks for it
 [ -z "${MESHES:-}" ] || draw map-extrusion-mesh 150 map extrusion --against mesh --rows 7 --mu 0.1:0.4

@@ -354,21 +354,14 @@ static int run_chart(const char *name, const chart_options *o) {
   return result;
 }
 
-static taken take_chart_option(int key, const char *text, void *data) {
-  chart_options *o = data;
-  if (key == 'r') return parse_count("repeat", text, &o->repeat);
-  if (key == 'l') return parse_number("limit", text, &o->limit);
-  if (key == 'b') return parse_number("budget", text, &o->budget);
-  if (key != 'o') return take_source_option(key, text, &o->from);
-  o->out = text;
-  return OPTION_TAKEN;
-}
-
 int command_chart(int argc, char **argv) {
-  static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
-                                          VALUE("budget", 'b'), VALUE("out", 'o'),
-                                          SOURCE_OPTIONS,       LAST_OPTIONS};
-  static const command chart_command = {"r:l:b:o:", options, chart_usage, take_chart_option, 0};
+  static const option_row options[] = {ROW(A_COUNT, "repeat", 'r', chart_options, repeat),
+                                       ROW(A_NUMBER, "limit", 'l', chart_options, limit),
+                                       ROW(A_NUMBER, "budget", 'b', chart_options, budget),
+                                       ROW(A_TEXT, "out", 'o', chart_options, out),
+                                       SOURCE_OPTIONS(chart_options, from),
+                                       LAST_OPTIONS};
+  static const command chart_command = {options, chart_usage, NULL, 0};
   chart_options o = {.repeat = 25, .limit = 1, .budget = 12};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;

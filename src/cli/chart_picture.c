@@ -321,8 +321,9 @@ static void write_key(FILE *s, const chart *c) {
   fputs("  plot -1 with lines\n", s);
 }
 
+/* Returns what draw_script does. */
 static int write_chart_script(const chart *c, const char *directory) {
-  FILE *s = open_in(directory, "chart.gp");
+  FILE *s = open_script(directory, "chart");
   if (!s) return 0;
   char advice[400];
   const ranges g = find_ranges(c);
@@ -350,16 +351,14 @@ static int write_chart_script(const chart *c, const char *directory) {
   write_errors(s, c, &g);
   write_convergence(s, c, &g);
   write_key(s, c);
-  fputs("  unset multiplot\n  unset output\n}\n", s);
-  return close_file(s, "chart.gp");
+  return draw_script(s, directory, "chart");
 }
 
 int draw_chart(const chart *c, const char *directory) {
-  if (!write_chart_csv(c, directory) || !write_history_csv(c, directory) ||
-      !write_chart_data(c, directory) || !write_chart_script(c, directory))
-    return EXIT_BAD_INPUT;
-  /* without gnuplot the run is still good: tables and script are there */
-  if (run_gnuplot(directory, "chart.gp"))
-    tell("drawn: %s/chart.png\n", quote(AS_SHOWN, directory).text);
-  return EXIT_SOLVED;
+  const int drawn = write_chart_csv(c, directory) && write_history_csv(c, directory) &&
+                            write_chart_data(c, directory)
+                        ? write_chart_script(c, directory)
+                        : 0;
+  if (drawn == 2) tell("drawn: %s/chart.png\n", quote(AS_SHOWN, directory).text);
+  return drawn ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

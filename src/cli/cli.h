@@ -5,6 +5,7 @@
 #define CLI_H
 
 #include <getopt.h>
+#include <stddef.h>
 #include <stdio.h>
 
 #include "delassus.h"
@@ -98,7 +99,7 @@ typedef struct problem {
 
 /* Loads the problem that a command is asked for: the matrices of `from`, or `name`, a file or a
  * scene. Prints the note. Returns 1; 0 after a complaint, or silently after Ctrl-C. */
-int problem_open(const char *name, const struct source *from, problem *p);
+int problem_open(const char *name, const struct source *wanted, problem *p);
 
 /* named.c: the problem of a scene, of one step where it goes in steps. */
 dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
@@ -151,11 +152,30 @@ typedef enum taken {
   OPTION_DONE /* there is nothing left to do */
 } taken;
 
-/* A command as getopt_long reads it: the short keys, all options, the text of --help, and a
- * function that takes the option `key` with its argument `text` into the command's data. */
+/* What is done with the value of an option. */
+typedef enum option_kind {
+  BY_FUNCTION, /* command.take takes it, by its key */
+  A_FLAG,      /* int := 1 */
+  A_TEXT,      /* const char * */
+  A_NUMBER,    /* double, finite and >= 0 */
+  A_COUNT,     /* int >= 1 */
+  A_MESH       /* two ints, NXxNY */
+} option_kind;
+
+/* An option. key: its letter; else, for command.take alone, a number from 256 on; else 0. at: place
+ * of the value in the data of the command. */
+typedef struct option_row {
+  const char *name;
+  int key;
+  option_kind kind;
+  int has_value;
+  size_t at;
+} option_row;
+
+/* A command: its options, the last one without a name, the text of --help, and a function that
+ * takes those BY_FUNCTION into the command's data, or NULL. */
 typedef struct command {
-  const char *keys;
-  const struct option *options;
+  const option_row *options;
   void (*usage)(FILE *out);
   taken (*take)(int key, const char *text, void *data);
   int operands; /* names after the options; 0: the command counts them itself */
@@ -169,14 +189,16 @@ int take_options(int argc, char **argv, const command *command, void *data);
 /* Complains of the number of names after the options of command `name`; returns EXIT_BAD_INPUT. */
 int wrong_names(const char *name);
 
-/* Rows of a table of options: with a value, without, and the last rows of every command. */
+/* Rows of a table of options: BY_FUNCTION with a value and without; the other kinds; and the last
+ * rows of every command. */
 #define VALUE(name, key)                                                                           \
-  { name, required_argument, NULL, key }
+  { name, key, BY_FUNCTION, 1, 0 }
 #define FLAG(name, key)                                                                            \
-  { name, no_argument, NULL, key }
+  { name, key, BY_FUNCTION, 0, 0 }
+#define ROW(kind, name, key, type, member)                                                         \
+  { name, key, kind, (kind) != A_FLAG, offsetof(type, member) }
 #define LAST_OPTIONS                                                                               \
   FLAG("json", 'j'), FLAG("verbose", 'v'), FLAG("quiet", 'q'), FLAG("help", 'h'), FLAG(NULL, 0)
-#define LAST_KEYS "jvqh"
 #define LAST_USAGE                                                                                 \
   "  -j, --json            print one JSON object instead of text\n"                                \
   "  -v, --verbose         print progress on stderr\n"                                             \
@@ -202,9 +224,11 @@ typedef struct solver_options {
 
 enum { KEY_THREADS = 900 };   /* no letter */
 enum { most_threads = 1024 }; /* of the library */
-#define SOLVER_KEYS "m:a:t:i:"
-#define SOLVER_OPTIONS                                                                             \
-  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i'),            \
+/* member: of the solver_options in the data of a command */
+#define SOLVER_OPTIONS(type, member)                                                               \
+  VALUE("method", 'm'), VALUE("accel", 'a'),                                                       \
+      ROW(A_NUMBER, "tol", 't', type, member.settings.limits.tol),                                 \
+      ROW(A_COUNT, "max-iter", 'i', type, member.settings.limits.max_iterations),                  \
       VALUE("threads", KEY_THREADS)
 
 void solver_options_init(solver_options *options, double tol);
@@ -476,9 +500,14 @@ void drop_files(void);
 dls_fe_series *open_series(const char *directory);
 int close_series(dls_fe_series *series);
 
-/* Runs gnuplot on a script in the directory; returns 1 if the pictures are there, 0 after a
- * complaint. */
-int run_gnuplot(const char *directory, const char *script);
+/* Opens DIRECTORY/NAME.gp, a script for gnuplot, for what stands before begin_pictures; NULL after
+ * a complaint. */
+FILE *open_script(const char *directory, const char *name);
+
+/* Ends the script that begin_pictures has begun, and draws NAME.png and NAME.svg. Returns 2 if they
+ * are there, 1 if gnuplot has not drawn them (it complains of the first), 0 if the script could not
+ * be written. Data and script are kept. */
+int draw_script(FILE *script, const char *directory, const char *name);
 
 /* Begins the loop of a script that draws NAME.png and NAME.svg; the caller writes the plot and
  * closes the brace. */
@@ -528,14 +557,18 @@ int draw_history(const char *directory, const char *title);
 
 /* ---- moving.c -------------------------------------------------------------------------------- */
 
-/* The options of bodies that move, their lines of --help, and the function that takes one of them;
- * OPTION_UNKNOWN for another key. */
-#define MOVING_KEYS "n:m:t:"
-#define MOVING_OPTIONS                                                                             \
-  VALUE("law", 'L'), VALUE("theta", 'T'), VALUE("mass", 'K'), VALUE("e", 'E'),                     \
-      VALUE("courant", 'C'), VALUE("steps", 'n'), VALUE("mesh", 'M'), VALUE("upper", 'U'),         \
-      VALUE("mu", 'f'), VALUE("amplitude", 'A'), VALUE("frequency", 'F'), VALUE("method", 'm'),    \
-      VALUE("tol", 't')
+/* The options of bodies that move, their lines of --help, and the function that takes some of them;
+ * OPTION_UNKNOWN for another key. member: dls_moving_settings in the data of a command. */
+enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MOVING_MESH };
+#define MOVING_OPTIONS(type, member)                                                               \
+  VALUE("law", KEY_LAW), VALUE("theta", KEY_THETA), VALUE("mass", KEY_MASS),                       \
+      ROW(A_NUMBER, "e", 0, type, member.restitution),                                             \
+      ROW(A_NUMBER, "courant", 0, type, member.courant),                                           \
+      ROW(A_COUNT, "steps", 'n', type, member.steps), VALUE("mesh", KEY_MOVING_MESH),              \
+      ROW(A_COUNT, "upper", 0, type, member.upper), ROW(A_NUMBER, "mu", 0, type, member.mu),       \
+      ROW(A_NUMBER, "amplitude", 0, type, member.amplitude),                                       \
+      ROW(A_NUMBER, "frequency", 0, type, member.frequency), VALUE("method", 'm'),                 \
+      ROW(A_NUMBER, "tol", 't', type, member.limits.tol)
 void moving_usage_options(FILE *out);
 taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
 

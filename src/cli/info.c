@@ -338,21 +338,12 @@ static int map_answer(const char *path, const dls_contact *contact, const char *
   return out ? show_sensitivity(path, contact, r, out, prints_text()) : EXIT_BAD_INPUT;
 }
 
-static taken take_info_option(int key, const char *text, void *data) {
-  info_options *o = data;
-  if (key == 'l') return parse_count("limit", text, &o->limit);
-  if (key != 's' && key != 'o') return take_source_option(key, text, &o->from);
-  if (key == 's')
-    o->sensitivity = 1;
-  else
-    o->out = text;
-  return OPTION_TAKEN;
-}
-
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {VALUE("limit", 'l'), FLAG("sensitivity", 's'),
-                                          VALUE("out", 'o'), SOURCE_OPTIONS, LAST_OPTIONS};
-  static const command info = {"o:", options, info_usage, take_info_option, 0};
+  static const option_row options[] = {ROW(A_COUNT, "limit", 0, info_options, limit),
+                                       ROW(A_FLAG, "sensitivity", 0, info_options, sensitivity),
+                                       ROW(A_TEXT, "out", 'o', info_options, out),
+                                       SOURCE_OPTIONS(info_options, from), LAST_OPTIONS};
+  static const command info = {options, info_usage, NULL, 0};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;

@@ -330,38 +330,24 @@ static taken take_range(const char *text, map_options *o) {
 
 static taken take_map_option(int key, const char *text, void *data) {
   map_options *o = data;
-  switch (key) {
-  case 'u':
-    if (!strchr(text, ':')) return take_source_option(KEY_MU, text, &o->of);
-    return take_range(text, o);
-  case 'n':
-    return parse_count("rows", text, &o->rows);
-  case 's':
-    return parse_count("samples", text, &o->samples);
-  case 't':
-    return parse_number("tol", text, &o->tol);
-  case 'l':
-    return parse_number("limit", text, &o->limit);
-  case 'a':
-    o->against = text;
-    return OPTION_TAKEN;
-  case 'm':
-    o->method = text;
-    return OPTION_TAKEN;
-  case 'o':
-    o->out = text;
-    return OPTION_TAKEN;
-  default:
-    return take_source_option(key, text, &o->of);
-  }
+  (void)key; /* --mu alone */
+  if (strchr(text, ':')) return take_range(text, o);
+  o->of.matrices.mu = text;
+  return OPTION_TAKEN;
 }
 
 int command_map(int argc, char **argv) {
-  static const struct option options[] = {
-      VALUE("mu", 'u'),  VALUE("rows", 'n'),  VALUE("against", 'a'), VALUE("samples", 's'),
-      VALUE("tol", 't'), VALUE("limit", 'l'), VALUE("method", 'm'),  VALUE("out", 'o'),
-      SOURCE_OPTIONS,    LAST_OPTIONS};
-  static const command map = {"t:l:m:o:", options, map_usage, take_map_option, 0};
+  static const option_row options[] = {VALUE("mu", 256),
+                                       ROW(A_COUNT, "rows", 0, map_options, rows),
+                                       ROW(A_TEXT, "against", 0, map_options, against),
+                                       ROW(A_COUNT, "samples", 0, map_options, samples),
+                                       ROW(A_NUMBER, "tol", 't', map_options, tol),
+                                       ROW(A_NUMBER, "limit", 'l', map_options, limit),
+                                       ROW(A_TEXT, "method", 'm', map_options, method),
+                                       ROW(A_TEXT, "out", 'o', map_options, out),
+                                       SOURCE_OPTIONS(map_options, of),
+                                       LAST_OPTIONS};
+  static const command map = {options, map_usage, take_map_option, 0};
   map_options o = {.to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "map.h"
 
 enum { AGAINST_ROWS = 7, AGAINST_COLUMNS = 7, against_rows_most = 150 };
@@ -49,44 +50,17 @@ typedef struct base {
   double *W;          /* m x m, scaled to unit diagonal blocks */
   double *V, *values; /* its symmetric part's eigenvectors and values, falling */
   double *damaged;    /* m x m */
+  double *work;       /* 3 m */
 } base;
 
-/* Turns rows and columns p and q of the symmetric A so that A_pq = 0, and the columns of V. */
-static void jacobi_turn(int m, double *A, double *V, int p, int q) {
-  const double apq = A[p + q * m];
-  if (apq == 0) return;
-  const double theta = (A[q + q * m] - A[p + p * m]) / (2 * apq);
-  const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
-  const double c = 1 / sqrt(t * t + 1), s = t * c;
-  for (int k = 0; k < m; k++) {
-    const double x = A[k + p * m], y = A[k + q * m];
-    A[k + p * m] = c * x - s * y;
-    A[k + q * m] = s * x + c * y;
-  }
-  for (int k = 0; k < m; k++) {
-    const double x = A[p + k * m], y = A[q + k * m], v = V[k + p * m], w = V[k + q * m];
-    A[p + k * m] = c * x - s * y;
-    A[q + k * m] = s * x + c * y;
-    V[k + p * m] = c * v - s * w;
-    V[k + q * m] = s * v + c * w;
-  }
-}
-
-/* Finds eigenvectors and eigenvalues by Jacobi's rotations, ten rounds of all pairs: each takes the
- * rest outside of the diagonal down quadratically. A: destroyed. */
-static void jacobi(int m, double *A, double *V, double *values) {
-  for (int k = 0; k < m * m; k++)
-    V[k] = k % m == k / m;
-  for (int round = 0; round < 10; round++)
-    for (int p = 0; p < m; p++)
-      for (int q = p + 1; q < m; q++)
-        jacobi_turn(m, A, V, p, q);
-  for (int i = 0; i < m; i++)
-    values[i] = A[i + i * m];
-  for (int i = 0; i < m; i++) { /* the largest first */
-    int at = i;
-    for (int j = i + 1; j < m; j++)
-      if (values[j] > values[at]) at = j;
+/* Finds eigenvectors V and eigenvalues of the symmetric A, the largest first. work: 3 m. */
+static void find_spectrum(int m, const double *A, double *V, double *values, double *work) {
+  const int room = 3 * m;
+  int info = 0;
+  memcpy(V, A, (size_t)m * (size_t)m * sizeof *V);
+  dsyev_("V", "L", &m, V, &m, values, work, &room, &info, 1, 1);
+  for (int i = 0; i < m / 2; i++) {
+    const int at = m - 1 - i;
     const double value = values[i];
     values[i] = values[at];
     values[at] = value;
@@ -119,7 +93,7 @@ static dls_status base_fill(base *b, const dls_contact *c, dls_error *error) {
     b->W[k] *= b->values[k % m / d] * b->values[k / m / d];
   for (int k = 0; k < m * m; k++)
     b->damaged[k] = (b->W[k] + b->W[k / m + k % m * m]) / 2;
-  jacobi(m, b->damaged, b->V, b->values);
+  find_spectrum(m, b->damaged, b->V, b->values, b->work);
   return DLS_OK;
 }
 
@@ -231,7 +205,7 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
                                dls_error *error) {
   const size_t m = (size_t)a->base.m;
   double mu[MAP_ROWS];
-  double *room = malloc((3 * m * m + 4 * m) * sizeof *room);
+  double *room = malloc((3 * m * m + 7 * m) * sizeof *room);
   FILE *csv = room ? open_in(o->out, "map.csv") : NULL;
   dls_status status = csv ? DLS_OK : room ? DLS_E_FILE : DLS_E_MEMORY;
   a->base.W = room;
@@ -242,6 +216,7 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
     a->mu = a->base.values + m;
     a->r = a->mu + m;
     a->q = a->r + m;
+    a->base.work = a->q + m;
     fprintf(csv, "mu,%s,method,share,not_decided\n", damages[a->kind].name);
     status = base_fill(&a->base, given, error);
     spread_friction(o->from > 0 ? o->from : 0.1, o->to < 0 ? 10 : o->to, a->picture.rows, mu);

@@ -210,7 +210,7 @@ static void write_side(FILE *s, const map_picture *p, const layout *l) {
 }
 
 static int write_map_script(const map_picture *p) {
-  FILE *s = open_in(p->directory, "map.gp");
+  FILE *s = open_script(p->directory, "map");
   if (!s) return 0;
   const layout l = lay_out(p);
   fputs("set datafile missing 'NaN'\nset key off\n", s);
@@ -231,8 +231,7 @@ static int write_map_script(const map_picture *p) {
   for (int k = 0; k < p->panels; k++)
     write_map_panel(s, p, &l, k);
   if (p->side) write_side(s, p, &l);
-  fputs("  unset multiplot\n  unset output\n}\n", s);
-  return close_file(s, "map.gp");
+  return draw_script(s, p->directory, "map");
 }
 
 /* Takes out the columns of a panel in which no cell is filled. */
@@ -252,8 +251,7 @@ int draw_map(const map_picture *given) {
   map_picture p = *given;
   if (p.panels == 1 && p.rows) drop_columns(&p);
   qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
-  if (!write_map_data(&p) || !write_map_script(&p)) return EXIT_BAD_INPUT;
-  if (run_gnuplot(p.directory, "map.gp"))
-    tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
-  return EXIT_SOLVED;
+  const int drawn = write_map_data(&p) ? write_map_script(&p) : 0;
+  if (drawn == 2) tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
+  return drawn ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

@@ -26,30 +26,6 @@ struct matrices {
 
 /* ---- options --------------------------------------------------------------------------------- */
 
-taken take_matrix_option(int key, const char *text, matrix_options *o) {
-  const char **const path[] = {&o->stiffness, &o->flexibility, &o->W,    &o->H, &o->HN,
-                               &o->HT,        &o->nodes,       &o->f,    &o->q, &o->g,
-                               &o->mu,        &o->weights,     &o->modes};
-  if (key >= KEY_STIFFNESS && key < KEY_DIM) {
-    *path[key - KEY_STIFFNESS] = text;
-    return OPTION_TAKEN;
-  }
-  if (key == KEY_STABILIZE) {
-    o->stabilize = 1;
-    return OPTION_TAKEN;
-  }
-  if (key == KEY_ON) {
-    o->on = strcmp(text, "K") == 0 ? DLS_ON_K : strcmp(text, "W") == 0 ? DLS_ON_W : DLS_ON_EITHER;
-    if (o->on != DLS_ON_EITHER) return OPTION_TAKEN;
-    complain("--on: '%s' is not W or K", text);
-    return OPTION_WRONG;
-  }
-  if (key != KEY_DIM) return OPTION_UNKNOWN;
-  if (parse_count("dim", text, &o->dim) == OPTION_TAKEN && o->dim <= 3) return OPTION_TAKEN;
-  complain("--dim: '%s' is not 1, 2 or 3", text);
-  return OPTION_WRONG;
-}
-
 const char *matrices_name(const matrix_options *o) {
   return o->stiffness ? o->stiffness : o->flexibility ? o->flexibility : o->W;
 }
@@ -90,7 +66,9 @@ void matrices_usage(FILE *out) {
 static int check_matrices(const matrix_options *o) {
   const int operators = (o->stiffness != NULL) + (o->flexibility != NULL) + (o->W != NULL);
   const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes != NULL);
-  if (operators != 1)
+  if (o->dim > 3)
+    complain("--dim: %d is not 1, 2 or 3", o->dim);
+  else if (operators != 1)
     complain("give one of --stiffness, --flexibility and --W");
   else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize ||
                     o->on == DLS_ON_K))
@@ -554,11 +532,6 @@ int matrices_load(const matrix_options *o, problem *p) {
   p->g = own->g;
   p->mu = own->mu;
   return 1;
-}
-
-taken take_source_option(int key, const char *text, source *from) {
-  return key == KEY_STEP ? parse_count("step", text, &from->step)
-                         : take_matrix_option(key, text, &from->matrices);
 }
 
 char **source_names(int *count, char **argv, const source *from) {

@@ -12,40 +12,9 @@ typedef struct matrix_options {
   const char *f, *q, *g, *mu; /* g, mu: a number or a file */
   const char *weights, *modes;
   int dim, stabilize;
-  dls_on on; /* with any method but auto: DLS_ON_W */
+  const char *where; /* --on */
+  dls_on on;         /* with any method but auto: DLS_ON_W */
 } matrix_options;
-
-/* Keys of the options, beyond all characters. */
-enum {
-  KEY_STIFFNESS = 256,
-  KEY_FLEXIBILITY,
-  KEY_W,
-  KEY_H,
-  KEY_HN,
-  KEY_HT,
-  KEY_NODES,
-  KEY_F,
-  KEY_Q,
-  KEY_G,
-  KEY_MU,
-  KEY_WEIGHTS,
-  KEY_MODES,
-  KEY_DIM,
-  KEY_STABILIZE,
-  KEY_ON,
-  KEY_STEP,
-  KEY_AFTER /* of the other options of a command */
-};
-
-#define MATRIX_OPTIONS                                                                             \
-  VALUE("stiffness", KEY_STIFFNESS), VALUE("flexibility", KEY_FLEXIBILITY), VALUE("W", KEY_W),     \
-      VALUE("H", KEY_H), VALUE("HN", KEY_HN), VALUE("HT", KEY_HT), VALUE("nodes", KEY_NODES),      \
-      VALUE("f", KEY_F), VALUE("q", KEY_Q), VALUE("g", KEY_G), VALUE("mu", KEY_MU),                \
-      VALUE("weights", KEY_WEIGHTS), VALUE("modes", KEY_MODES), VALUE("dim", KEY_DIM),             \
-      FLAG("stabilize", KEY_STABILIZE), VALUE("on", KEY_ON)
-
-/* Takes one of MATRIX_OPTIONS; OPTION_UNKNOWN for another key. */
-taken take_matrix_option(int key, const char *text, matrix_options *options);
 
 /* Returns the file that names the problem: K, K^-1 or W; NULL if no matrix is given. */
 const char *matrices_name(const matrix_options *options);
@@ -67,8 +36,23 @@ typedef struct source {
   int solves; /* 1: for solve, which takes a problem on K and rigid bodies as they are */
 } source;
 
-#define SOURCE_OPTIONS MATRIX_OPTIONS, VALUE("step", KEY_STEP)
-taken take_source_option(int key, const char *text, source *from);
+/* The rows of the options; member: the source in the data of a command. */
+#define SOURCE_OPTIONS(type, member)                                                               \
+  ROW(A_TEXT, "stiffness", 0, type, member.matrices.stiffness),                                    \
+      ROW(A_TEXT, "flexibility", 0, type, member.matrices.flexibility),                            \
+      ROW(A_TEXT, "W", 0, type, member.matrices.W), ROW(A_TEXT, "H", 0, type, member.matrices.H),  \
+      ROW(A_TEXT, "HN", 0, type, member.matrices.HN),                                              \
+      ROW(A_TEXT, "HT", 0, type, member.matrices.HT),                                              \
+      ROW(A_TEXT, "nodes", 0, type, member.matrices.nodes),                                        \
+      ROW(A_TEXT, "f", 0, type, member.matrices.f), ROW(A_TEXT, "q", 0, type, member.matrices.q),  \
+      ROW(A_TEXT, "g", 0, type, member.matrices.g),                                                \
+      ROW(A_TEXT, "mu", 0, type, member.matrices.mu),                                              \
+      ROW(A_TEXT, "weights", 0, type, member.matrices.weights),                                    \
+      ROW(A_TEXT, "modes", 0, type, member.matrices.modes),                                        \
+      ROW(A_COUNT, "dim", 0, type, member.matrices.dim),                                           \
+      ROW(A_FLAG, "stabilize", 0, type, member.matrices.stabilize),                                \
+      ROW(A_TEXT, "on", 0, type, member.matrices.where),                                           \
+      ROW(A_COUNT, "step", 0, type, member.step)
 
 /* Returns the names that a command of contact problems is given, the *count after the options: one
  * of a matrix, or those of files and scenes, without LCPs (leave_lcps). NULL after a complaint. */

@@ -33,7 +33,7 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
       {"lost by the scheme", "-$9", "#999999", e->numerical},
   };
   const double whole = fmax(fmax(d->energy_start, e->kinetic + e->elastic), fabs(e->load));
-  FILE *script = open_in(directory, "energy.gp");
+  FILE *script = open_script(directory, "energy");
   if (!script) return 0;
   fprintf(
       script,
@@ -52,8 +52,7 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
       fprintf(script,
               ", \\\n       '' every ::1 using 1:(%s) with lines lw 2 lc rgb '%s' title '%s'",
               line[k].formula, line[k].color, line[k].title);
-  fputs("\n  unset output\n}\n", script);
-  return close_file(script, "energy.gp");
+  return draw_script(script, directory, "energy");
 }
 
 /* Draws the pressure and the states over surface and time, from a little before the first contact
@@ -63,7 +62,7 @@ static int write_map(const char *directory, const dls_moving_data *d) {
   const int *node = d->candidate_node;
   const double first = xy[2 * node[0]], last = xy[2 * node[d->candidates - 1]];
   const double half = (last - first) / (d->candidates - 1) / 2;
-  FILE *script = open_in(directory, "map.gp");
+  FILE *script = open_script(directory, "map");
   if (!script) return 0;
   fprintf(script,
           "a = 1e300\nb = -1e300\n"
@@ -89,16 +88,15 @@ static int write_map(const char *directory, const dls_moving_data *d) {
           "  set palette maxcolors 3 defined (0 '%s', 1 '%s', 2 '%s')\n"
           "  set cbrange [-0.5:2.5]\n  set format cb '%%g'\n"
           "  set cbtics ('free' 0, 'slip' 1, 'stick' 2)\n"
-          "  plot 'map.dat' using 1:2:4 with image\n"
-          "  unset multiplot\n  unset output\n}\n",
+          "  plot 'map.dat' using 1:2:4 with image\n",
           quote(AS_GNUPLOT, d->name).text, units_of(d)->pressure, state_colour(DLS_FREE),
           state_colour(DLS_SLIP), state_colour(DLS_STICK));
-  return close_file(script, "map.gp");
+  return draw_script(script, directory, "map");
 }
 
 /* Draws gap and force of a bar beside the closed form. */
 static int write_bar(const char *directory, const dls_moving_data *d) {
-  FILE *script = open_in(directory, "bar.gp");
+  FILE *script = open_script(directory, "bar");
   if (!script) return 0;
   fprintf(script,
           "set grid\nset xrange [0:%g]\nset lmargin at screen 0.09\nset rmargin at screen 0.97\n"
@@ -115,14 +113,14 @@ static int write_bar(const char *directory, const dls_moving_data *d) {
           "  set ylabel 'force [-]'\n  set xlabel 'time [-]'\n  set format x '%%g'\n"
           "  plot 'bar.dat' using 1:5 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:4 with lines lw 1.2 lc rgb '#0072b2' title 'computed'\n"
-          "  unset xlabel\n  unset multiplot\n  unset output\n}\n",
+          "  unset xlabel\n",
           quote(AS_GNUPLOT, d->name).text, d->mesh->quads, d->gap_error);
-  return close_file(script, "bar.gp");
+  return draw_script(script, directory, "bar");
 }
 
 /* Draws the tangential force over the obstacle's way: the first cycle thin, later ones thick. */
 static int write_loop(const char *directory, const dls_moving_data *d) {
-  FILE *script = open_in(directory, "loop.gp");
+  FILE *script = open_script(directory, "loop");
   if (!script) return 0;
   fprintf(script,
           "set title %s.': hysteresis'\nset grid\nset key top left\n"
@@ -133,23 +131,18 @@ static int write_loop(const char *directory, const dls_moving_data *d) {
   fputs("  plot 'loop.dat' index 0 with lines lw 1.5 lc rgb '#56b4e9' title 'first cycle'", script);
   if (d->step > d->cycle)
     fputs(", \\\n       '' index 1 with lines lw 3 lc rgb '#d55e00' title 'second cycle'", script);
-  fputs("\n  unset output\n}\n", script);
-  return close_file(script, "loop.gp");
+  return draw_script(script, directory, "loop");
 }
 
 int draw_moving(const char *directory, const dls_moving_data *d) {
-  if (!write_energies(directory, d)) return EXIT_BAD_INPUT;
-  if (!(d->has_exact ? write_bar(directory, d) : write_map(directory, d))) return EXIT_BAD_INPUT;
-  if (d->obstacle_moves && !write_loop(directory, d)) return EXIT_BAD_INPUT;
-  /* without gnuplot the run is still good: data and scripts are there */
-  if (run_gnuplot(directory, "energy.gp") &&
-      run_gnuplot(directory, d->has_exact ? "bar.gp" : "map.gp") && d->obstacle_moves)
-    (void)run_gnuplot(directory, "loop.gp");
-  return EXIT_SOLVED;
+  return write_energies(directory, d) && (d->has_exact ? write_bar : write_map)(directory, d) &&
+                 (!d->obstacle_moves || write_loop(directory, d))
+             ? EXIT_SOLVED
+             : EXIT_BAD_INPUT;
 }
 
 int draw_convergence(const char *directory, const char *name, double order, double factor) {
-  FILE *script = open_in(directory, "converge.gp");
+  FILE *script = open_script(directory, "converge");
   if (!script) return EXIT_BAD_INPUT;
   fprintf(script,
           "set title %s.': error of the gap, L2 over time'\nset datafile separator ','\n"
@@ -166,10 +159,7 @@ int draw_convergence(const char *directory, const char *name, double order, doub
       script,
       "  plot %.6g*x**%.6g with lines dt 2 lw 2 lc rgb '#e69f00' title 'order %.2f', \\\n"
       "       'converge.csv' every ::1 using 2:3:xtic(1) with points pt 7 ps 1.6 lc rgb '#0072b2' "
-      "title 'computed'\n"
-      "  unset output\n}\n",
+      "title 'computed'\n",
       factor, order, order);
-  if (!close_file(script, "converge.gp")) return EXIT_BAD_INPUT;
-  (void)run_gnuplot(directory, "converge.gp");
-  return EXIT_SOLVED;
+  return draw_script(script, directory, "converge") ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

@@ -147,7 +147,15 @@ static int is_nothing(const char *name) {
   return complain("%s: no file and no scene%s", name, nearest_words(&near)), 1;
 }
 
-int problem_open(const char *name, const source *from, problem *p) {
+int problem_open(const char *name, const source *wanted, problem *p) {
+  source own = *wanted;
+  const source *from = &own;
+  const char *where = own.matrices.where;
+  if (where && !own.matrices.on)
+    own.matrices.on = !strcmp(where, "K")   ? DLS_ON_K
+                      : !strcmp(where, "W") ? DLS_ON_W
+                                            : own.matrices.on;
+  if (where && !own.matrices.on) return complain("--on: '%s' is not W or K", where), 0;
   const char *given = matrices_name(&from->matrices);
   const scene_kind kind = given ? NO_SCENE : kind_of_scene(name);
   dls_error error = {0};

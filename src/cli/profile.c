@@ -16,8 +16,6 @@ enum { PROFILE_RUNGS = 7, PROFILE_TARGETS = 3 };
 static const double profile_tol[PROFILE_RUNGS] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
 static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
-enum { KEY_PORTFOLIO = KEY_AFTER }; /* no letter */
-
 typedef struct profile_options {
   source from;
   int repeat, portfolio;
@@ -266,25 +264,16 @@ static int run_profile(int count, char **list, const profile_options *o) {
                    why, "profile", out, "profile.csv");
 }
 
-static taken take_profile_option(int key, const char *text, void *data) {
-  profile_options *o = data;
-  if (key == 'r') return parse_count("repeat", text, &o->repeat);
-  if (key == 'l') return parse_number("limit", text, &o->limit);
-  if (key == 'b') return parse_number("budget", text, &o->budget);
-  if (key == 't') return parse_number("tol", text, &o->tol);
-  if (key == KEY_PORTFOLIO) return o->portfolio = 1, OPTION_TAKEN;
-  if (key != 'o') return take_source_option(key, text, &o->from);
-  o->out = text;
-  return OPTION_TAKEN;
-}
-
 int command_profile(int argc, char **argv) {
-  static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
-                                          VALUE("budget", 'b'), VALUE("out", 'o'),
-                                          VALUE("tol", 't'),    FLAG("portfolio", KEY_PORTFOLIO),
-                                          SOURCE_OPTIONS,       LAST_OPTIONS};
-  static const command profile_command = {"r:l:b:o:t:", options, profile_usage, take_profile_option,
-                                          0};
+  static const option_row options[] = {ROW(A_COUNT, "repeat", 'r', profile_options, repeat),
+                                       ROW(A_NUMBER, "limit", 'l', profile_options, limit),
+                                       ROW(A_NUMBER, "budget", 'b', profile_options, budget),
+                                       ROW(A_TEXT, "out", 'o', profile_options, out),
+                                       ROW(A_NUMBER, "tol", 't', profile_options, tol),
+                                       ROW(A_FLAG, "portfolio", 0, profile_options, portfolio),
+                                       SOURCE_OPTIONS(profile_options, from),
+                                       LAST_OPTIONS};
+  static const command profile_command = {options, profile_usage, NULL, 0};
   profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;

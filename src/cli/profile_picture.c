@@ -223,41 +223,34 @@ static void write_profile_target(FILE *s, const profile_picture *p, int target, 
 
 /* ---- the picture ----------------------------------------------------------------------------- */
 
-static int write_profile_files(const profile_picture *p, strip *s, double *taus, char *script) {
+/* Returns what draw_script does. */
+static int write_profile_files(const profile_picture *p, strip *s, double *taus) {
   char name[80];
   (void)snprintf(name, sizeof name, "%s.dat", p->name);
-  (void)snprintf(script, 80, "%s.gp", p->name);
-  FILE *data = open_in(p->directory, name), *gp = data ? open_in(p->directory, script) : NULL;
-  if (gp) {
-    fputs("set datafile missing 'NaN'\nset key off\nset grid lc rgb '#d8d8d8'\n"
-          "set style textbox opaque noborder margins 0.2,0.1\n",
-          gp);
-    begin_pictures(gp, p->name, 580 * p->targets + 60, 1100);
-    fprintf(gp, "  set multiplot title %s font ',17' noenhanced\n",
-            quote(AS_GNUPLOT, p->title).text);
-    for (int t = 0; t < p->targets; t++) {
-      make_strip(p, t, s);
-      write_profile_blocks(data, p, t, s, taus);
-      write_profile_target(gp, p, t, s, taus);
-    }
-    fputs("  unset multiplot\n  unset output\n}\n", gp);
+  FILE *data = open_in(p->directory, name), *gp = data ? open_script(p->directory, p->name) : NULL;
+  if (!gp) return 0;
+  fputs("set datafile missing 'NaN'\nset key off\nset grid lc rgb '#d8d8d8'\n", gp);
+  begin_pictures(gp, p->name, 580 * p->targets + 60, 1100);
+  fprintf(gp, "  set multiplot title %s font ',17' noenhanced\n", quote(AS_GNUPLOT, p->title).text);
+  for (int t = 0; t < p->targets; t++) {
+    make_strip(p, t, s);
+    write_profile_blocks(data, p, t, s, taus);
+    write_profile_target(gp, p, t, s, taus);
   }
-  return gp && close_file(data, name) && close_file(gp, script);
+  return close_file(data, name) ? draw_script(gp, p->directory, p->name) : 0;
 }
 
 int draw_profiles(const profile_picture *p) {
   const size_t n = (size_t)(p->problems > 0 ? p->problems : 1);
   strip s = {.places = malloc(n * sizeof *s.places)};
   double *taus = malloc(n * sizeof *taus);
-  char script[80];
-  int good = 0;
+  int drawn = 0;
   if (!s.places || !taus)
     (void)complain("%s: out of memory", p->name);
-  else
-    good = make_directory(p->directory) && write_profile_files(p, &s, taus, script);
-  if (good && run_gnuplot(p->directory, script))
-    tell("drawn: %s/%s.png\n", quote(AS_SHOWN, p->directory).text, p->name);
+  else if (make_directory(p->directory))
+    drawn = write_profile_files(p, &s, taus);
+  if (drawn == 2) tell("drawn: %s/%s.png\n", quote(AS_SHOWN, p->directory).text, p->name);
   free(s.places);
   free(taus);
-  return good;
+  return drawn;
 }

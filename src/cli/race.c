@@ -78,30 +78,21 @@ dls_status race_call(race *a, int k, const dls_limits *limits, double *r, dls_in
   return status ? status : dls_solver_solve(a->solver[k], a->problem, r, NULL, info, error);
 }
 
-/* Goes on with a solve that its own limit of iterations has ended: with ten times as many, as long
- * as these halve the residual. */
+/* Goes on with a solve that its own limit of iterations has ended: once, with ten times as many. */
 static dls_status race_longer(race *a, int k, int rung, dls_limits *limits, dls_error *error) {
   trial *t = race_trial(a, k, rung);
-  dls_info info = {.iterations = t->iterations};
-  dls_status status = DLS_MAX_ITERATIONS;
-  double residual = t->residual, seconds = t->seconds;
-  const double end = cpu_seconds() + limits->cpu_seconds - t->seconds;
-  while (status == DLS_MAX_ITERATIONS && cpu_seconds() < end && info.iterations > 0 &&
-         info.iterations < INT_MAX / longer) {
-    const double start = cpu_seconds();
-    limits->max_iterations = (int)(longer * info.iterations);
-    limits->cpu_seconds = end - start;
-    status = race_call(a, k, limits, race_answer(a, k, rung), &info, error);
-    seconds = cpu_seconds() - start;
-    if (status < 0) return status;
-    if (status == DLS_MAX_ITERATIONS && !(info.certificate.residual < residual / 2))
-      status = DLS_STALLED;
-    residual = info.certificate.residual;
-  }
-  t->end = ending_of(status);
+  dls_info info;
+  if (t->iterations <= 0 || t->iterations > INT_MAX / longer) return DLS_OK;
+  const double start = cpu_seconds();
+  limits->max_iterations = (int)(longer * t->iterations);
+  const dls_status status = race_call(a, k, limits, race_answer(a, k, rung), &info, error);
+  if (status < 0) return status;
   if (status == DLS_CANCELLED) a->interrupted = 1;
+  t->end = ending_of(status);
+  if (status == DLS_MAX_ITERATIONS && !(info.certificate.residual < t->residual / 2))
+    t->end = ENDED_STALLED;
   if (t->end != ENDED_SOLVED) return DLS_OK;
-  *t = (trial){t->end, 1, info.iterations, 1, info.certificate.residual, seconds};
+  *t = (trial){t->end, 1, info.iterations, 1, info.certificate.residual, cpu_seconds() - start};
   return DLS_OK;
 }
 

@@ -5,8 +5,8 @@
  * A limit is no verdict. A solve that ends at a limit goes on, until it has a verdict or is
  * "not decided":
  *
- *   its own limit of iterations   again with ten times as many, while ten times as many halve the
- *                                 residual; if they do not: "no progress"
+ *   its own limit of iterations   once more, with ten times as many; "no progress" if these do not
+ *                                 halve the residual, else "not decided"
  *   CPU seconds of the plan       up to ten times as many, then "not decided"
  */
 #ifndef RACE_H

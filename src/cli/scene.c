@@ -556,51 +556,40 @@ static taken parse_young(const char *text, double *E) {
   return OPTION_WRONG;
 }
 
-/* Takes an option of the block. */
-static taken take_block_option(int key, const char *text, dls_fe_scene_settings *block) {
-  switch (key) {
-  case 'M':
-    return parse_mesh(text, &block->nx, &block->ny);
-  case 'F':
-    return parse_number("mu", text, &block->mu);
-  case 'E':
-    return parse_young(text, &block->E);
-  case 'N':
-    return parse_number("poisson", text, &block->nu);
-  case 'L':
-    return parse_load(text, block);
-  case 'O':
-    return parse_order(text, &block->order);
-  default:
-    return OPTION_UNKNOWN;
-  }
-}
+enum { KEY_YOUNG = 256, KEY_LOAD, KEY_ORDER, KEY_LIST };
 
 static taken take_scene_option(int key, const char *text, void *data) {
   scene_options *o = data;
-  if (key == 'm' && (o->as_printed = !strcmp(text, "jean"))) return OPTION_TAKEN;
-  taken shared = take_solver_option(key, text, &o->solver);
-  if (shared == OPTION_UNKNOWN) shared = take_block_option(key, text, &o->block);
-  if (shared != OPTION_UNKNOWN) return shared;
-  int *flag = key == 'w' ? &o->weighted : NULL;
-  const char **name = key == 'o'   ? &o->out
-                      : key == 's' ? &o->save
-                      : key == 'r' ? &o->reference
-                                   : NULL;
-  if (key == 'l') return list_scenes();
-  if (!flag && !name) return OPTION_UNKNOWN;
-  if (flag) *flag = 1;
-  if (name) *name = text;
-  return OPTION_TAKEN;
+  switch (key) {
+  case KEY_YOUNG:
+    return parse_young(text, &o->block.E);
+  case KEY_LOAD:
+    return parse_load(text, &o->block);
+  case KEY_ORDER:
+    return parse_order(text, &o->block.order);
+  case KEY_LIST:
+    return list_scenes();
+  default:
+    o->as_printed = key == 'm' && !strcmp(text, "jean");
+    return o->as_printed ? OPTION_TAKEN : take_solver_option(key, text, &o->solver);
+  }
 }
 
 int command_scene(int argc, char **argv) {
-  static const struct option options[] = {
-      SOLVER_OPTIONS,        VALUE("mesh", 'M'), VALUE("mu", 'F'),        VALUE("young", 'E'),
-      VALUE("poisson", 'N'), VALUE("load", 'L'), VALUE("order", 'O'),     FLAG("weighted", 'w'),
-      VALUE("out", 'o'),     VALUE("save", 's'), VALUE("reference", 'r'), FLAG("list", 'l'),
-      LAST_OPTIONS};
-  static const command scene = {SOLVER_KEYS "wo:s:", options, scene_usage, take_scene_option, 1};
+  static const option_row options[] = {SOLVER_OPTIONS(scene_options, solver),
+                                       ROW(A_MESH, "mesh", 0, scene_options, block.nx),
+                                       ROW(A_NUMBER, "mu", 0, scene_options, block.mu),
+                                       VALUE("young", KEY_YOUNG),
+                                       ROW(A_NUMBER, "poisson", 0, scene_options, block.nu),
+                                       VALUE("load", KEY_LOAD),
+                                       VALUE("order", KEY_ORDER),
+                                       ROW(A_FLAG, "weighted", 'w', scene_options, weighted),
+                                       ROW(A_TEXT, "out", 'o', scene_options, out),
+                                       ROW(A_TEXT, "save", 's', scene_options, save),
+                                       ROW(A_TEXT, "reference", 0, scene_options, reference),
+                                       FLAG("list", KEY_LIST),
+                                       LAST_OPTIONS};
+  static const command scene = {options, scene_usage, take_scene_option, 1};
   scene_options o = {0};
   solver_options_init(&o.solver, default_tol);
   dls_fe_scene_settings_init(&o.block);

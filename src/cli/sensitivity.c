@@ -196,7 +196,7 @@ static int draw_sensitivity(const influence *of, const char *name, const char *d
   if (!(most > 0)) most = 1;
   const double least = decades * most;
   if (!write_map_csv(of, directory) || !write_friction_csv(of, directory)) return EXIT_BAD_INPUT;
-  FILE *s = open_in(directory, "sensitivity.gp");
+  FILE *s = open_script(directory, "sensitivity");
   if (!s) return EXIT_BAD_INPUT;
   begin_pictures(s, "sensitivity", 1150, 1600);
   fputs("  set datafile separator ','\n  set datafile missing 'nan'\n", s);
@@ -207,10 +207,7 @@ static int draw_sensitivity(const influence *of, const char *name, const char *d
   draw_maps(s, of, least, most);
   draw_curves(s, of, 0);
   draw_curves(s, of, 1);
-  fputs("  unset multiplot\n  unset output\n  reset\n}\n", s);
-  if (!close_file(s, "sensitivity.gp")) return EXIT_BAD_INPUT;
-  (void)run_gnuplot(directory, "sensitivity.gp"); /* data and script stay */
-  return EXIT_SOLVED;
+  return draw_script(s, directory, "sensitivity") ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }
 
 /* ---- text ------------------------------------------------------------------------------------ */

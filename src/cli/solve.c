@@ -9,7 +9,7 @@
 #include "hints.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_AFTER, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE, KEY_FORCES };
+enum { KEY_FORCES = 256 };
 
 typedef struct solve_options {
   solver_options solver;
@@ -209,7 +209,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   const dls_solver_settings *asked = &options->solver.settings;
   if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without ||
        asked->forces) &&
-      from.matrices.on != DLS_ON_K)
+      !(from.matrices.where && !strcmp(from.matrices.where, "K")))
     from.matrices.on = DLS_ON_W;
   if (!problem_open(path, &from, &p)) { /* a reduction may have been cancelled */
     if (was_interrupted()) result = end_command(EXIT_NOT_SOLVED, NULL);
@@ -465,60 +465,30 @@ static taken parse_forces(const char *text, dls_forces *forces) {
 
 static taken take_solve_option(int key, const char *text, void *data) {
   solve_options *o = data;
-  const taken shared = take_solver_option(key, text, &o->solver);
-  if (shared != OPTION_UNKNOWN) return shared;
-  const taken of_source = take_source_option(key, text, &o->from);
-  if (of_source != OPTION_UNKNOWN) return of_source;
-  if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
-  if (key == 'o')
-    o->out = text;
-  else if (key == 'H')
-    o->history = text;
-  else if (key == 'P')
-    o->plot = text;
-  else if (key == 'l')
-    o->lcp = 1;
-  else if (key == 'p')
-    o->proof = 1;
-  else if (key == KEY_PROVE)
-    o->prove = 1;
-  else if (key == KEY_PRINT)
-    o->print = 1;
-  else if (key == KEY_CSV)
-    o->csv = text;
-  else if (key == KEY_PLAN)
-    o->solver.settings.plan = text;
-  else if (key == KEY_WITHOUT)
-    o->solver.settings.without = text;
-  else if (key == KEY_EXPLAIN)
-    o->explain = 1;
-  else if (key == KEY_FORCES)
-    return parse_forces(text, &o->solver.settings.forces);
-  else
-    return OPTION_UNKNOWN;
-  return OPTION_TAKEN;
+  return key == KEY_FORCES ? parse_forces(text, &o->solver.settings.forces)
+                           : take_solver_option(key, text, &o->solver);
 }
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,
-                                          VALUE("facets", 'f'),
-                                          VALUE("out", 'o'),
-                                          VALUE("output", 'o'),
-                                          VALUE("history", 'H'),
-                                          VALUE("plot", 'P'),
-                                          FLAG("lcp", 'l'),
-                                          FLAG("proof", 'p'),
-                                          FLAG("prove", KEY_PROVE),
-                                          SOURCE_OPTIONS,
-                                          FLAG("print", KEY_PRINT),
-                                          VALUE("csv", KEY_CSV),
-                                          VALUE("plan", KEY_PLAN),
-                                          VALUE("without", KEY_WITHOUT),
-                                          FLAG("explain", KEY_EXPLAIN),
-                                          VALUE("forces", KEY_FORCES),
-                                          LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:H:P:p", options, solve_usage, take_solve_option,
-                                0};
+  static const option_row options[] = {
+      SOLVER_OPTIONS(solve_options, solver),
+      ROW(A_COUNT, "facets", 'f', solve_options, solver.settings.facets),
+      ROW(A_TEXT, "out", 'o', solve_options, out),
+      ROW(A_TEXT, "output", 0, solve_options, out),
+      ROW(A_TEXT, "history", 'H', solve_options, history),
+      ROW(A_TEXT, "plot", 'P', solve_options, plot),
+      ROW(A_FLAG, "lcp", 0, solve_options, lcp),
+      ROW(A_FLAG, "proof", 'p', solve_options, proof),
+      ROW(A_FLAG, "prove", 0, solve_options, prove),
+      ROW(A_FLAG, "print", 0, solve_options, print),
+      ROW(A_TEXT, "csv", 0, solve_options, csv),
+      ROW(A_TEXT, "plan", 0, solve_options, solver.settings.plan),
+      ROW(A_TEXT, "without", 0, solve_options, solver.settings.without),
+      ROW(A_FLAG, "explain", 0, solve_options, explain),
+      VALUE("forces", KEY_FORCES),
+      SOURCE_OPTIONS(solve_options, from),
+      LAST_OPTIONS};
+  static const command solve = {options, solve_usage, take_solve_option, 0};
   solve_options o = {.from = {.solves = 1}};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
