@@ -264,7 +264,9 @@ int map_against(const char *name, map_options *o) {
   map_picture *p = &a.picture;
   *p = (map_picture){.title = title, .subtitle = subtitle, .y = "friction", .notes = notes};
   p->x = damages[a.kind].label;
-  p->panels = list_contenders(a.who) - 1; /* a damaged W has no model for gauss-seidel, the last */
+  contender all[MOST_CONTENDERS];
+  for (int k = 0, count = list_contenders(all); k < count; k++)
+    if (race_takes(&all[k], &subject.contact, NULL)) a.who[p->panels++] = all[k];
   p->rows = o->rows && o->rows <= MAP_ROWS ? o->rows : AGAINST_ROWS;
   p->columns = AGAINST_COLUMNS;
   for (int k = 0; k < p->panels; k++)

@@ -40,7 +40,7 @@ static int wrong_option(char **argv, const command *c, int key) {
 static taken take_row(const command *c, const option_row *row, const char *text, void *data) {
   void *to = (char *)data + row->at;
   if (row->key == 'h') return OPTION_HELP;
-  if (take_loudness(row->key)) return OPTION_TAKEN;
+  if (row->key && take_loudness(row->key)) return OPTION_TAKEN;
   switch (row->kind) {
   case A_FLAG:
     return *(int *)to = 1, OPTION_TAKEN;
