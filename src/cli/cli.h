@@ -76,7 +76,8 @@ int end_table(int result, const char *why, const char *title, const char *direct
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
-/* A problem in memory, and who owns its parts. Start from {0}; free it after a failed load, too. */
+/* A problem in memory, and the owners of its parts. Start from {0}; free it after a failed load,
+ * too. */
 struct matrices;
 struct source;
 typedef struct problem {
@@ -97,7 +98,7 @@ typedef struct problem {
   char note[200]; /* what was chosen or changed to get it; "" */
 } problem;
 
-/* Loads the problem that a command is asked for: the matrices of `from`, or `name`, a file or a
+/* Loads the problem that a command is asked for: the matrices of `wanted`, or `name`, a file or a
  * scene. Prints the note. Returns 1; 0 after a complaint, or silently after Ctrl-C. */
 int problem_open(const char *name, const struct source *wanted, problem *p);
 
@@ -105,13 +106,10 @@ int problem_open(const char *name, const struct source *wanted, problem *p);
 dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
                             dls_error *error);
 
-/* Reduces p->model to W with the loads f, g; takes it on K where `from` is for `solve` and allows.
- * Elsewhere springs hold a body that contact alone holds, about its equilibrium; p->note says so. */
+/* place.c: reduces p->model to W with the loads f, g, or takes it on K where `from` is for `solve`
+ * and allows it. Elsewhere springs hold a body that contact alone holds, about its equilibrium;
+ * p->note says so. */
 dls_status problem_condense(problem *p, const struct source *from, dls_error *error);
-
-/* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
- * stderr for each. Returns how many names are left, in front. */
-int leave_lcps(int count, char **names);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
  * some microseconds take more CPU than the work (docs/threads.md). The library leaves the BLAS of
@@ -129,7 +127,7 @@ void matrices_free(struct matrices *matrices);
  * NULL. */
 const char *other_kind(const char *path);
 
-/* Returns 1 after a complaint if `path` is a file of another kind than a problem (a matrix, say). */
+/* Returns 1 after a complaint if `path` is a file of another kind than a problem (a matrix). */
 int is_no_problem(const char *path);
 
 /* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */

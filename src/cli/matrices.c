@@ -7,7 +7,6 @@
  * docs/files.md says what each file holds.
  */
 #define _GNU_SOURCE
-#include <getopt.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -532,16 +531,6 @@ int matrices_load(const matrix_options *o, problem *p) {
   p->g = own->g;
   p->mu = own->mu;
   return 1;
-}
-
-char **source_names(int *count, char **argv, const source *from) {
-  static char *alone[1];
-  const char *given = matrices_name(&from->matrices);
-  const int names = *count;
-  if (given ? names > 0 : names < 1) return wrong_names(argv[0]), NULL;
-  alone[0] = (char *)given;
-  *count = given ? 1 : leave_lcps(names, argv + optind);
-  return given ? alone : argv + optind;
 }
 
 void source_usage(FILE *out) {

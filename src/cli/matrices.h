@@ -54,8 +54,9 @@ typedef struct source {
       ROW(A_TEXT, "on", 0, type, member.matrices.where),                                           \
       ROW(A_COUNT, "step", 0, type, member.step)
 
-/* Returns the names that a command of contact problems is given, the *count after the options: one
- * of a matrix, or those of files and scenes, without LCPs (leave_lcps). NULL after a complaint. */
+/* problem.c: returns the names that a command of contact problems is given, the *count after the
+ * options: one of a matrix, or those of files and scenes; it leaves LCPs out, which methods for
+ * contact do not take, with a line on stderr for each. NULL after a complaint. */
 char **source_names(int *count, char **argv, const source *from);
 
 void source_usage(FILE *out);

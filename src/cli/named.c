@@ -177,16 +177,3 @@ dls_status problem_of_scene(const char *name, const source *from, problem *p, dl
   p->mu = data.mu;
   return problem_condense(p, from, error);
 }
-
-int leave_lcps(int count, char **names) {
-  int kept = 0;
-  for (int i = 0; i < count; i++) {
-    dls_text *text;
-    if (read_lcp_text(names[i], &text))
-      (void)complain("%s: skipped: an LCP, no contact problem; delassus solve solves it", names[i]);
-    else
-      names[kept++] = names[i];
-    dls_text_destroy(text);
-  }
-  return kept;
-}

@@ -1,5 +1,6 @@
-/* problem.c: loads problems from files, and condenses those that have a model. */
+/* problem.c: loads the problem that a command is asked for: a file, a scene or matrices. */
 #define _GNU_SOURCE
+#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -57,63 +58,6 @@ static dls_status check_place(dls_on on, dls_error *error) {
   if (on != DLS_ON_K) return DLS_OK;
   *error = (dls_error){.status = DLS_E_UNSUPPORTED, .message = "--on=K: this file holds W alone"};
   return DLS_E_UNSUPPORTED;
-}
-
-/* Sets p->contact, p->on_K from p->reduction. */
-static dls_status problem_take_contact(problem *p, dls_error *error) {
-  dls_reduction_info info;
-  const dls_status status = dls_reduction_get_info(p->reduction, &info, error);
-  if (status) return status;
-  p->on_K = info.on == DLS_ON_K;
-  if (!p->on_K) return dls_reduction_contact(p->reduction, p->mu, &p->contact, error);
-  p->contact = (dls_contact){.d = p->model.d, .nc = info.contacts, .mu = p->mu};
-  return DLS_OK;
-}
-
-/* Moves the feet of the springs that hold a body until they carry nothing: the contact problem then
- * has the reactions of the free body. */
-static dls_status problem_hold(problem *p, dls_error *error) {
-  dls_reduction_info held;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.cpu_seconds = 10;
-  settings.limits.progress = show_progress;
-  dls_status status = dls_reduction_get_info(p->reduction, &held, error);
-  if (status || !held.modes || p->on_K) return status;
-  const size_t m = (size_t)p->contact.d * (size_t)p->contact.nc;
-  double *r = malloc((2 * m + (size_t)p->model.n) * sizeof *r);
-  if (!r) {
-    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-    return DLS_E_MEMORY;
-  }
-  status = dls_reduction_solve(p->reduction, p->mu, &settings, r, r + m, r + 2 * m, NULL, error);
-  progress_end();
-  free(r);
-  const size_t used = strlen(p->note);
-  (void)snprintf(p->note + used, sizeof p->note - used, "%s%d rigid-body mode%s held by springs%s",
-                 used ? "; " : "", held.modes, plural(held.modes),
-                 is_solved(status) ? " that carry nothing at this load" : "");
-  return status < 0 ? status : DLS_OK;
-}
-
-dls_status problem_condense(problem *p, const source *from, dls_error *error) {
-  dls_reduction_settings settings;
-  dls_reduction_settings_init(&settings);
-  settings.on = from->solves ? from->matrices.on : DLS_ON_W;
-  settings.allow_indefinite = p->matrices != NULL;
-  settings.stabilize = from->matrices.stabilize;
-  settings.progress = show_reduction;
-  const double start = cpu_seconds();
-  dls_status status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
-  if (status == DLS_E_SINGULAR && !from->solves) {
-    settings.stabilize = 1;
-    status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
-  }
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-  if (!status) status = problem_take_contact(p, error);
-  if (!status && !from->solves) status = problem_hold(p, error);
-  p->reduction_cpu_seconds = cpu_seconds() - start;
-  return status;
 }
 
 static dls_status problem_of_file(const char *path, const source *from, problem *p,
@@ -182,6 +126,31 @@ int problem_open(const char *name, const source *wanted, problem *p) {
     (void)complain("without --on=W and with --method=auto, the problem is solved on K");
   if (!status && *p->note) tell("%s: %s\n", quote(AS_SHOWN, p->name).text, p->note);
   return !status;
+}
+
+/* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
+ * stderr for each. Returns how many names are left, in front. */
+static int leave_lcps(int count, char **names) {
+  int kept = 0;
+  for (int i = 0; i < count; i++) {
+    dls_text *text;
+    if (read_lcp_text(names[i], &text))
+      (void)complain("%s: skipped: an LCP, no contact problem; delassus solve solves it", names[i]);
+    else
+      names[kept++] = names[i];
+    dls_text_destroy(text);
+  }
+  return kept;
+}
+
+char **source_names(int *count, char **argv, const source *from) {
+  static char *alone[1];
+  const char *given = matrices_name(&from->matrices);
+  const int names = *count;
+  if (given ? names > 0 : names < 1) return wrong_names(argv[0]), NULL;
+  alone[0] = (char *)given;
+  *count = given ? 1 : leave_lcps(names, argv + optind);
+  return given ? alone : argv + optind;
 }
 
 /* Is in OpenBLAS alone; NULL with another BLAS. */
