@@ -34,10 +34,11 @@ typedef struct chart_options {
 
 static void chart_usage(FILE *out) {
   fputs("Usage: delassus chart [OPTION]... FILE|SCENE\n"
+        "  or:  delassus chart [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
         "Runs each method on one contact problem (a file, a scene of 'delassus scene --list', or\n"
-        "matrices) to tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and "
-        "convergence. Prints a\n"
-        "table and the method to take; writes chart.csv, history.csv, chart.png and chart.svg.\n"
+        "matrices) to tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and\n"
+        "convergence. Prints a table and the method to take; writes chart.csv, history.csv,\n"
+        "chart.png and chart.svg.\n"
         "\n"
         "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"
         "  -l, --limit=S         CPU seconds for a solve (1), or 30 times the fastest if that is\n"

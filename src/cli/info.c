@@ -8,6 +8,7 @@
 static void info_usage(FILE *out) {
   fputs(
       "Usage: delassus info [OPTION]... FILE|SCENE\n"
+      "  or:  delassus info [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
       "Prints facts about a contact problem (FCLIB, local or global; text; of a scene; matrices):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"

@@ -19,6 +19,7 @@ static void map_usage(FILE *out) {
   fputs(
       "Usage: delassus map [OPTION]... FILE|SCENE\n"
       "  or:  delassus map [OPTION]... FILE|SCENE FILE|SCENE...\n"
+      "  or:  delassus map [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
       "Shows where each method works. Columns are methods; rows are friction, or the problems if\n"
       "there are several names. The colour is the verdict; shade and number are the CPU over the\n"
       "fastest of the row. A cell that meets its limit ten times over is hatched: not decided. "

@@ -97,7 +97,7 @@ static layout lay_out(const map_picture *p) {
   const int many = p->panels > 1;
   for (int j = 0; j < p->columns && !many; j++)
     if (strlen(p->column[j]) > widest) widest = strlen(p->column[j]);
-  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8 * (double)widest),
+  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8.4 * (double)widest),
               .cell_h = many           ? 26
                         : p->rows > 24 ? 22
                                        : 31};
@@ -132,7 +132,7 @@ static void write_names(FILE *s, const map_picture *p, const layout *l, double l
           (left - l->left + 20) / l->width, 1 - (top + p->rows * l->cell_h / 2) / l->height);
   for (int j = 0; j < p->columns; j++)
     fprintf(s, "%s%s %d", j ? ", " : "", quote(AS_GNUPLOT, p->column[j]).text, j);
-  fprintf(s, ") noenhanced font ',%d'\n", p->panels > 1 ? 10 : 12);
+  fprintf(s, ") noenhanced font ',%d'\n", p->panels > 1 ? 10 : 11);
 }
 
 static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int k) {

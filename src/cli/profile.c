@@ -26,6 +26,7 @@ typedef struct profile_options {
 static void profile_usage(FILE *out) {
   fputs(
       "Usage: delassus profile [OPTION]... FILE|SCENE...\n"
+      "  or:  delassus profile [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
       "Runs each method on many contact problems to tolerances 1e-2 to 1e-14: performance\n"
       "profiles, each problem, and the CPU of auto over that of the fastest single method. Writes\n"
       "profile.csv, profile.png and profile.svg.\n"

@@ -19,19 +19,17 @@ typedef struct solve_options {
 } solve_options;
 
 static void solve_usage(FILE *out) {
-  fputs(
-      "Usage: delassus solve [OPTION]... FILE|SCENE\n"
-      "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
-      "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
-      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
-      "Solves a contact problem from a file (FCLIB, local or global; or text), of a scene, or from "
-      "the "
-      "matrices of a host code, or an LCP (Matrix Market, or text) by Lemke's method. The last "
-      "line on\n"
-      "stdout is 'solved' or 'not solved: WHY'. Each file may be a pipe, or - for standard input.\n"
-      "delassus-solve(1) has the layout of FCLIB files.\n"
-      "\n",
-      out);
+  fputs("Usage: delassus solve [OPTION]... FILE|SCENE\n"
+        "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
+        "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
+        "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
+        "Solves a contact problem from a file (FCLIB, local or global; or text), of a scene,\n"
+        "or from the matrices of a host code, or an LCP (Matrix Market, or text) by Lemke's\n"
+        "method. The last line on stdout is 'solved' or 'not solved: WHY'. Each file may be a\n"
+        "pipe, or - for standard input.\n"
+        "delassus-solve(1) has the layout of FCLIB files.\n"
+        "\n",
+        out);
   source_usage(out);
   fputs("\nThe solver:\n", out);
   solver_usage(out, "", 1e-8);
