@@ -274,7 +274,7 @@ int map_methods(int count, char **names, map_options *o) {
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   dls_status status = DLS_E_MEMORY;
   const char *at = names[0];
-  char title[200], subtitle[200], notes[200];
+  char title[200], subtitle[200], notes[240];
   if (!m) return complain("%s: out of memory", at);
   m->picture = (map_picture){.title = title, .subtitle = subtitle, .notes = notes};
   m->picture.panels = 1;
@@ -306,7 +306,7 @@ int map_methods(int count, char **names, map_options *o) {
   }
   (void)snprintf(notes, sizeof notes,
                  "measured: CPU of each solve. Hatched, not decided: no verdict in %g s of CPU (or "
-                 "300 times the fastest)",
+                 "300 times the fastest), or in ten times the method's iterations",
                  map_longer * o->limit);
   int result = EXIT_BAD_INPUT;
   if (status && status != DLS_E_FILE)

@@ -283,8 +283,8 @@ int map_against(const char *name, map_options *o) {
                  o->samples, o->tol);
   (void)snprintf(
       notes, sizeof notes,
-      "measured. Hatched: some of the loads are not decided in %g s of CPU (or 300 times "
-      "the fastest)",
+      "measured. Hatched: some of the loads are not decided in %g s of CPU, or in ten times the "
+      "method's iterations",
       map_longer * (o->limit < 0 ? against_limit : o->limit));
   if (!p->cells)
     (void)complain_of(name, &error);
