@@ -38,7 +38,7 @@ report *report_open(const char *directory, int argc, char *const *argv) {
   p->directory = directory;
   p->csv = bench_open(directory, "solvers.csv");
   if (p->csv)
-    p->page = bench_page(directory, "solvers", "Every solver beside those of Siconos", argc, argv);
+    p->page = bench_page(directory, "solvers", "Every solver against those of Siconos", argc, argv);
   if (!p->page) {
     if (p->csv) fclose(p->csv);
     free(p);

@@ -1,7 +1,7 @@
 /*
  * fe_internal.h: shares meshes and VTK output among the files of the FE module. The module is a
- * library of its own; of libdelassus' hidden functions it may call those of the objects that its
- * archive carries (Makefile, FE_OBJ): statuses, allocation, checks, norms, columns, closing of
+ * library of its own. It may call only those hidden functions of libdelassus that its archive
+ * carries (Makefile, FE_OBJ): statuses, allocation, checks, norms, columns, closing of
  * files.
  */
 #ifndef DLSI_FE_INTERNAL_H
@@ -48,9 +48,9 @@ void dlsi_t3_stress(const dls_fe_mesh *mesh, int e, const dlsi_lame *D, const do
 void dlsi_quad_stress(const dls_fe_mesh *mesh, int e, const dlsi_lame *D, const double *u,
                       double *s);
 
-/* Adds factor B_i^T D B_j of the hat functions with gradients (b_i, c_i) and (b_j, c_j) to the
- * 2 x 2 block k with leading dimension ld. The blocks (i, j) and (j, i) come out as transposes to
- * the last bit: l and G multiply after the symmetric products. */
+/* Adds factor B_i^T D B_j of the hat functions with gradients (b_i, c_i) and (b_j, c_j) to the 2 x
+ * 2 block k with leading dimension ld. Blocks (i, j) and (j, i) are transposes to the last bit: l
+ * and G multiply after the symmetric products. */
 static inline void dlsi_add_elastic(const dlsi_lame *D, double factor, double bi, double ci,
                                     double bj, double cj, double *k, size_t ld) {
   const double bb = bi * bj, bc = bi * cj, cb = ci * bj, cc = ci * cj;

@@ -24,7 +24,7 @@ static dls_status forming_write_grid(const dls_forming_data *d, const dls_fe_fie
   return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, cells, digits, error);
 }
 
-/* Lists the quads, one with a flat corner as the two triangles that meet there.
+/* Lists the quads; a quad with a flat corner becomes the two triangles that meet there.
  *   node: out, 6 * quads; end, from: out, 2 * quads; returns the number of cells */
 static int forming_list_cells(const dls_forming *f, int *node, int *end, int *from) {
   int cells = 0, corners = 0;

@@ -255,7 +255,7 @@ static dls_status series_add(dls_fe_series *s, double time, int part, const char
   return status;
 }
 
-/* Returns the length of the beginning of `file` that XML takes as it is. */
+/* Returns the length of the beginning of `file` that can go into XML unchanged. */
 static size_t series_prefix(const char *file) {
   size_t at = 0;
   int length;

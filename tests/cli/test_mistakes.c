@@ -1,5 +1,5 @@
 /* test_mistakes.c: mistakes that people make, each with an answer that says what to do; one meaning
- * for each short option; JSON from every command. */
+ * per short option; JSON from every command. */
 #define _GNU_SOURCE
 #include <check.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /*
- * test_names.c: names of files, directories and titles are anybody's bytes. Whatever they are,
- * chart, map, profile, info and solve run no command of theirs, every file is well formed, and what
- * is printed holds no control. DELASSUS_NAMES: rounds of 8 names.
+ * test_names.c: names of files, directories and titles may have any bytes. With all of them chart,
+ * map, profile, info and solve run no command in a name, every file is well formed, and printed
+ * text has no control characters. DELASSUS_NAMES: rounds of 8 names.
  */
 #define _GNU_SOURCE
 #include <check.h>

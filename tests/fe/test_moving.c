@@ -1,7 +1,7 @@
 /*
- * test_moving.c: runs the scenes of bodies that move and holds them to closed forms, to figures
- * that were computed once with another program on the same scheme (impulses to 1e-4, norms to 3 %,
- * dissipations to 1e-5), and to a monolithic block.
+ * test_moving.c: runs the scenes of moving bodies and compares them with closed forms, with figures
+ * of another program with the same scheme (impulses to 1e-4, norms to 3 %, dissipations to 1e-5),
+ * and with a monolithic block.
  */
 #include <check.h>
 #include <math.h>
