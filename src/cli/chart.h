@@ -49,7 +49,7 @@ void chart_amplification(const chart *c, int k, char *text, size_t size);
 
 /* ---- chart_picture.c ------------------------------------------------------------------------- */
 
-/* Writes chart.csv, history.csv, chart.dat, chart.gp and draws chart.png, chart.svg;
+/* Writes chart.csv, history.csv, chart.gp and draws chart.png, chart.svg;
  * returns EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_chart(const chart *c, const char *directory);
 

@@ -1,9 +1,6 @@
 /*
  * chart_picture.c: the files of delassus chart: chart.csv, history.csv, and the picture: four
  * panels, and under them the table, which is the key of all four.
- *
- * chart.dat holds for contender k block 2 k (digits, ms, CPU over the fastest, residual, error; a
- * row for each rung that it solved) and block 2 k + 1 (iteration, residual).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -57,30 +54,6 @@ static int write_history_csv(const chart *c, const char *directory) {
   return close_file(file, "history.csv");
 }
 
-static int write_chart_data(const chart *c, const char *directory) {
-  const race *a = &c->race;
-  FILE *file = open_in(directory, "chart.dat");
-  if (!file) return 0;
-  fputs("# digits ms times residual error | iteration residual\n", file);
-  for (int k = 0; k < a->count; k++) {
-    fputs("0 NaN NaN NaN NaN\n", file); /* keeps a block of no rows */
-    for (int rung = 0; rung < a->rungs; rung++) {
-      const trial *t = race_trial(a, k, rung);
-      const double error = c->error[k * a->rungs + rung];
-      if (t->end != ENDED_SOLVED) break;
-      fprintf(file, "%g %.5g %.4g %.4g %.4g\n", -log10(a->tol[rung]), 1e3 * t->seconds,
-              t->seconds / race_fastest(a, rung, 0), at_least(t->residual, least_residual),
-              isnan(error) ? error : at_least(error, least_residual));
-    }
-    fputs("\n\n0 NaN\n", file);
-    for (int i = 0; i < c->history[k].points; i++)
-      fprintf(file, "%d %.4g\n", c->history[k].iteration[i] > 0 ? c->history[k].iteration[i] : 1,
-              at_least(c->history[k].residual[i], least_residual));
-    fputs("\n\n", file);
-  }
-  return close_file(file, "chart.dat");
-}
-
 /* ---- script ---------------------------------------------------------------------------------- */
 
 /* The ranges of the axes. */
@@ -129,20 +102,25 @@ static void begin_panel(FILE *s, int i, const char *title, const char *x, const 
           title, x, y);
 }
 
-/* Draws a curve of each contender that solved a rung, column y over column x, auto last and
- * thick. */
-static void plot_curves(FILE *s, const chart *c, int x, int y) {
+/* Draws a curve of each contender that solved a rung, y over x, expressions of gnuplot in the
+ * columns of chart.csv, auto last and thick; below it the dotted curve of `beside`, or NULL. */
+static void plot_curves(FILE *s, const chart *c, const char *x, const char *y, const char *beside) {
   const race *a = &c->race;
   for (int i = 1; i <= a->count; i++) {
     const int k = i % a->count; /* auto, 0, comes last */
-    if (race_trial(a, k, 0)->end != ENDED_SOLVED || (y == 5 && !c->answers)) continue;
-    if (y == 5) /* the residual beside its error */
-      fprintf(s, ", \\\n      'chart.dat' index %d using %d:4 with lines lw 1.2 dt 3 lc rgb '%s'",
-              2 * k, x, a->who[k].colour);
-    fprintf(s,
-            ", \\\n      'chart.dat' index %d using %d:%d with linespoints lw %g lc rgb '%s' pt %d "
-            "ps %g",
-            2 * k, x, y, k ? 1.8 : 4.0, a->who[k].colour, a->who[k].point, k ? 1.1 : 1.5);
+    const contender *who = &a->who[k];
+    if (race_trial(a, k, 0)->end != ENDED_SOLVED) continue;
+    if (beside)
+      fprintf(
+          s,
+          ", \\\n      'chart.csv' using (of('%s', %s)):(least(%s)) with lines lw 1.2 dt 3 lc rgb "
+          "'%s'",
+          who->name, x, beside, who->colour);
+    fprintf(
+        s,
+        ", \\\n      'chart.csv' using (of('%s', %s)):(least(%s)) with linespoints lw %g lc rgb "
+        "'%s' pt %d ps %g",
+        who->name, x, y, k ? 1.8 : 4.0, who->colour, who->point, k ? 1.1 : 1.5);
   }
   fputs("\n", s);
 }
@@ -166,10 +144,10 @@ static void write_band(FILE *s, const chart *c) {
   while (rungs < c->race.rungs && isfinite(race_fastest(&c->race, rungs, 0)))
     rungs++;
   for (int i = 0; i < rungs; i++)
-    fprintf(s, "%.5g %.0e\n", 1e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+    fprintf(s, "%.5g,%.0e\n", 1e3 * race_fastest(&c->race, i, 0), c->tol[i]);
   for (int i = rungs - 1; i >= 0; i--)
-    fprintf(s, "%.5g %.0e\n", 2e3 * race_fastest(&c->race, i, 0), c->tol[i]);
-  fputs(rungs ? "END\n" : "1 NaN\nEND\n", s);
+    fprintf(s, "%.5g,%.0e\n", 2e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+  fputs(rungs ? "END\n" : "1,NaN\nEND\n", s);
 }
 
 static void write_work(FILE *s, const chart *c, const ranges *g) {
@@ -184,7 +162,7 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
     fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
   else
     fputs("  plot 1/0 with lines", s);
-  plot_curves(s, c, 2, 4);
+  plot_curves(s, c, "1e3*$5", "$8", NULL);
 }
 
 static void write_ratios(FILE *s, const chart *c, const ranges *g) {
@@ -206,7 +184,7 @@ static void write_ratios(FILE *s, const chart *c, const ranges *g) {
       break;
     }
   fputs("  plot 2 with filledcurves y1=0.9 fc rgb '#e4e4e4'", s);
-  plot_curves(s, c, 1, 3);
+  plot_curves(s, c, "-log10($2)", "$6", NULL);
 }
 
 static void write_errors(FILE *s, const chart *c, const ranges *g) {
@@ -238,7 +216,10 @@ static void write_errors(FILE *s, const chart *c, const ranges *g) {
             at_least(agreement, 3 * least_residual));
   else
     fputs("  plot 1/0 with lines", s);
-  plot_curves(s, c, 2, 5);
+  if (c->answers)
+    plot_curves(s, c, "1e3*$5", "$9", "$8");
+  else
+    fputs("\n", s);
 }
 
 /* Marks the first stages of auto, staggered, along the bottom. */
@@ -268,8 +249,11 @@ static void write_convergence(FILE *s, const chart *c, const ranges *g) {
   for (int i = 1; i <= a->count; i++) {
     const int k = i % a->count, few = c->history[k].points < 25;
     if (!c->history[k].points) continue;
-    fprintf(s, ", \\\n      'chart.dat' index %d using 1:2 with %s lw %g lc rgb '%s'", 2 * k + 1,
-            few ? "linespoints" : "lines", k ? 1.8 : 4.0, a->who[k].colour);
+    fprintf(
+        s,
+        ", \\\n      'history.csv' using (strcol(1) eq '%s' ? ($2 > 0 ? $2 : 1) : NaN):(least($4)) "
+        "with %s lw %g lc rgb '%s'",
+        a->who[k].name, few ? "linespoints" : "lines", k ? 1.8 : 4.0, a->who[k].colour);
     if (few) fprintf(s, " pt %d ps 0.9", a->who[k].point);
   }
   fputs("\n", s);
@@ -328,7 +312,11 @@ static int write_chart_script(const chart *c, const char *directory) {
   char advice[400];
   const ranges g = find_ranges(c);
   chart_advice(c, advice, sizeof advice);
-  fputs("set datafile missing 'NaN'\n", s);
+  fprintf(s,
+          "set datafile separator ','\nset datafile missing 'nan'\n"
+          "of(name, x) = strcol(1) eq name && strcol(3) eq 'solved' ? x : NaN\n"
+          "least(y) = y > %g ? y : y == y ? %g : NaN\n",
+          least_residual, least_residual);
   write_band(s, c);
   begin_pictures(s, "chart", 1500, 1250);
   fputs("  set key off\n  set border\n  set tics\n  set grid lc rgb '#d8d8d8'\n  set style textbox "
@@ -355,8 +343,7 @@ static int write_chart_script(const chart *c, const char *directory) {
 }
 
 int draw_chart(const chart *c, const char *directory) {
-  const int drawn = write_chart_csv(c, directory) && write_history_csv(c, directory) &&
-                            write_chart_data(c, directory)
+  const int drawn = write_chart_csv(c, directory) && write_history_csv(c, directory)
                         ? write_chart_script(c, directory)
                         : 0;
   if (drawn == 2) tell("drawn: %s/chart.png\n", quote(AS_SHOWN, directory).text);

@@ -197,14 +197,17 @@ int map_steps(const char *name, map_options *o, int moves) {
   if ((moves ? moving_own : forming_own)(&w, &error)) return complain_of(name, &error);
   p.rows = o->rows ? o->rows : STEP_ROWS;
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
-  (void)snprintf(x, sizeof x, "steps of the whole %s, %g", moves ? "time" : "way", w.whole);
+  (void)snprintf(x, sizeof x, "steps of the whole %s, %g%s", moves ? "time" : "way", w.whole,
+                 moves ? "" : " mm");
   p.x = mesh ? "elements" : x;
   p.y = "friction";
   p.subtitle =
       moves ? "blue: finished, CPU seconds; else why it stopped, and after how much of the time"
             : "blue: finished, CPU seconds; else why it stopped, and after how much of the way";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
-  (void)snprintf(notes, sizeof notes, "measured. Hatched: not decided in %g s of CPU",
+  (void)snprintf(notes, sizeof notes,
+                 "measured; tolerance %.0e. Hatched: not decided in %g s of CPU",
+                 moves ? w.moving.limits.tol : w.forming.tol,
                  map_longer * (o->limit < 0 ? scene_limit : o->limit));
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells)
