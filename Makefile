@@ -130,6 +130,7 @@ help:
 	@echo 'make refinement  its densities of reaction under refinement of the mesh'
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
+	@echo 'make charts-longer   then: how many cells of them ten times the limits change'
 	@echo 'make check       build and run all tests'
 	@echo 'make install-python   the package delassus for PYTHON=python3'
 	@echo 'make install     PREFIX=/usr/local LIBDIR=PREFIX/lib DESTDIR='
@@ -587,6 +588,11 @@ tables: $(PROGRAM)
 .PHONY: charts
 charts: $(PROGRAM) $(BUILD)/bench/problems
 	@docs/charts.sh $(BUILD)
+
+# after charts: the same with ten times the limits of CPU; counts the cells that this changes
+.PHONY: charts-longer
+charts-longer: $(PROGRAM) $(BUILD)/bench/problems
+	@LONGER=10 docs/charts.sh $(BUILD)
 
 .PHONY: deps
 deps:

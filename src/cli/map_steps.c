@@ -70,7 +70,7 @@ static dls_status walk_forming(const walker *w, double limit, walk *out, dls_err
   dls_forming *forming;
   dls_forming_data d;
   dls_forming_settings s = w->forming;
-  s.cpu_seconds = limit;
+  s.cpu_seconds = map_longer * limit;
   dls_status status = dls_forming_create(&forming, w->name, &s, error);
   if (status) return status;
   const double start = cpu_seconds();
@@ -89,7 +89,8 @@ static dls_status walk_moving(const walker *w, double limit, walk *out, dls_erro
   dls_moving *moving;
   dls_moving_data d;
   dls_moving_settings s = w->moving;
-  s.limits.cpu_seconds = limit; /* of a contact problem, which may be without a solution */
+  s.limits.cpu_seconds =
+      map_longer * limit; /* of a contact problem, which may be without a solution */
   dls_status status = dls_moving_create(&moving, w->name, &s, error);
   if (status) return status;
   const double start = cpu_seconds();
@@ -98,7 +99,8 @@ static dls_status walk_moving(const walker *w, double limit, walk *out, dls_erro
     status = dls_moving_step(moving, error);
     dls_moving_get(moving, &d);
     if (!status && show_moving_step(&d)) status = DLS_CANCELLED;
-    if (!status && d.step < d.steps && cpu_seconds() - start > limit) status = DLS_TIME_LIMIT;
+    if (!status && d.step < d.steps && cpu_seconds() - start > map_longer * limit)
+      status = DLS_TIME_LIMIT;
   }
   *out = (walk){status, (double)d.step / d.steps, cpu_seconds() - start};
   dls_moving_destroy(moving);
@@ -160,7 +162,7 @@ static dls_status fill_walks(map_picture *p, walker *w, const map_options *o, in
   double mu[MAP_ROWS];
   FILE *csv = open_in(o->out, "map.csv");
   dls_status status = csv ? DLS_OK : DLS_E_FILE;
-  if (csv) fprintf(csv, "mu,%s,status,part,cpu_s\n", mesh ? "mesh" : "steps");
+  if (csv) fprintf(csv, "mu,%s,verdict,part,cpu_s\n", mesh ? "mesh" : "steps");
   spread_friction(o->from, o->to < 0 ? w->most_mu : o->to, p->rows, mu);
   *all_done = 1;
   for (int i = 0; i < p->rows; i++)
@@ -173,8 +175,8 @@ static dls_status fill_walks(map_picture *p, walker *w, const map_options *o, in
       if (status || was_interrupted()) continue;
       show_walk(map_at(p, 0, i, j), &done);
       *all_done &= done.status == DLS_OK;
-      fprintf(csv, "%.9g,%s,%s,%.4f,%.4f\n", mu[i], p->column[j], status_word(done.status),
-              done.part, done.seconds);
+      fprintf(csv, "%.9g,%s,%s,%.4f,%.4f\n", mu[i], p->column[j],
+              ending_word(ending_of(done.status)), done.part, done.seconds);
     }
   }
   return !status && !close_file(csv, "map.csv") ? DLS_E_FILE : status;
@@ -184,8 +186,8 @@ static dls_status fill_walks(map_picture *p, walker *w, const map_options *o, in
 
 int map_steps(const char *name, map_options *o, int moves) {
   const int mesh = o->against != NULL;
-  char title[200], x[80];
-  map_picture p = {.title = title, .panels = 1, .columns = STEP_COLUMNS};
+  char title[200], x[80], notes[200];
+  map_picture p = {.title = title, .panels = 1, .columns = STEP_COLUMNS, .notes = notes};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   walker w = {.name = name, .moves = moves};
   int all_done = 0, result = EXIT_BAD_INPUT;
@@ -195,13 +197,18 @@ int map_steps(const char *name, map_options *o, int moves) {
   if ((moves ? moving_own : forming_own)(&w, &error)) return complain_of(name, &error);
   p.rows = o->rows ? o->rows : STEP_ROWS;
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
-  (void)snprintf(x, sizeof x, "steps of the whole %s, %g", moves ? "time" : "way", w.whole);
+  (void)snprintf(x, sizeof x, "steps of the whole %s, %g%s", moves ? "time" : "way", w.whole,
+                 moves ? "" : " mm");
   p.x = mesh ? "elements" : x;
   p.y = "friction";
   p.subtitle =
       moves ? "blue: finished, CPU seconds; else why it stopped, and after how much of the time"
             : "blue: finished, CPU seconds; else why it stopped, and after how much of the way";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
+  (void)snprintf(notes, sizeof notes,
+                 "measured; tolerance %.0e. Hatched: not decided in %g s of CPU",
+                 moves ? w.moving.limits.tol : w.forming.tol,
+                 map_longer * (o->limit < 0 ? scene_limit : o->limit));
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells)
     (void)complain_of(name, &error);

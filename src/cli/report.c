@@ -17,7 +17,7 @@
 #include "matrices.h"
 #include "report.h"
 
-enum { KEY_TEXT = KEY_ON + 1, KEY_QUICK, KEY_CPU, SLUG = 80 };
+enum { SLUG = 80 };
 
 /* Parts of the CPU: the budget, and each of chart and map. */
 static const double budget_share = 0.55, part_share = 0.2;
@@ -27,12 +27,12 @@ typedef struct report_options {
   double accuracy, cpu; /* cpu: seconds for a page; 0: own_cpu, quick_cpu */
   int text, quick;
   const char *out;
-  matrix_options matrices;
+  source from;
 } report_options;
 
 static void report_usage(FILE *out) {
   fputs("Usage: delassus report [OPTION]... FILE|SCENE...\n"
-        "  or:  delassus report --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
+        "  or:  delassus report [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
         "Writes a page (HTML) for each name: what to take for a wanted accuracy, how far mesh,\n"
         "steps and tolerance move the answer, speed against accuracy, where methods fail, energy,\n"
         "contacts, and the commands that draw each part again. The page needs no network.\n"
@@ -41,19 +41,17 @@ static void report_usage(FILE *out) {
         "      --cpu=S           approximate CPU seconds for a page (60; --quick 6)\n"
         "      --quick           the verdict, the error budget and the contacts only\n"
         "      --text            print the page as text, too\n"
-        "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is printed)\n"
-        "\n",
+        "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
+        "printed)\n" LAST_USAGE "\n"
+        "Exit status: 0, 1 if no setting is measured to be accurate enough, 2 bad input.\n\n",
         out);
-  matrices_usage(out);
-  fputs("\n" LAST_USAGE "\n"
-        "Exit status: 0, 1 if no setting is proved or measured to be accurate enough, 2 bad "
-        "input.\n",
-        out);
+  source_usage(out);
 }
 
 /* A page while it is made. */
 typedef struct report {
   const report_options *options;
+  const char *shown; /* the name that was given */
   page page;
   parts parts;
   char slug[SLUG], file[SLUG + 8], folder[PATH_ROOM], verdict[PAGE_SENTENCE];
@@ -68,7 +66,7 @@ static void print_page(const report *a, int met) {
   fputs(",\n  ", stdout);
   print_json_string(stdout, a->file);
   fputs(": {\"name\": ", stdout);
-  print_json_string(stdout, a->parts.name);
+  print_json_string(stdout, a->shown);
   printf(", \"met\": %s, \"verdict\": ", met ? "true" : "false");
   print_json_string(stdout, a->verdict);
   fputs("}", stdout);
@@ -94,16 +92,16 @@ static int begin_page(report *a, const char *directory) {
   (void)snprintf(options, sizeof options, "--accuracy=%g --cpu=%g%s", o->accuracy, o->cpu,
                  o->quick ? " --quick" : "");
   part_note(&a->parts, options);
-  (void)snprintf(title, sizeof title, "%.150s", a->parts.name);
+  (void)snprintf(title, sizeof title, "%.150s", a->shown);
   if (!page_open(&a->page, directory, a->file, title, o->text && !is_json())) return 0;
   page_say(&a->page, PAGE_LEAD, "%s.", a->verdict);
   return 1;
 }
 
-/* Adds the sections of other commands; contact: NULL for a scene in steps. */
+/* Adds the sections of other commands; contact: of a scene in steps, one step. */
 static void add_parts(report *a, const dls_contact *contact) {
   if (a->options->quick) return;
-  if (contact) part_speed(&a->parts);
+  part_speed(&a->parts, a->options->from.step);
   page_say(&a->page, PAGE_SECTION, "Stability");
   part_stability(&a->parts, contact);
 }
@@ -118,59 +116,66 @@ static int end_page(report *a, const char *directory, int met) {
   part_commands(&a->parts);
   if (!page_close(&a->page, a->file)) return EXIT_BAD_INPUT;
   print_page(a, met);
-  if (!a->page.text) tell("%s: %s.\n", quote(AS_SHOWN, a->parts.name).text, a->verdict);
+  if (!a->page.text) tell("%s: %s.\n", quote(AS_SHOWN, a->shown).text, a->verdict);
   tell("page: %s/%s\n", quote(AS_SHOWN, directory).text, a->file);
   return met ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 }
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
+static void add_scene(report *a, const budget *b, const problem *p) {
+  page_say(&a->page, PAGE_SECTION, "Error budget");
+  budget_tables(b, &a->page);
+  page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
+  if (budget_picture(b, a->folder))
+    (void)page_picture(&a->page, a->folder, "budget.svg",
+                       "What each part costs and brings: the error that it leaves against CPU");
+  if (*p->note) page_say(&a->page, PAGE_NOTE, "The methods: %s.", p->note);
+  add_parts(a, &p->contact);
+  part_run(&a->parts, &b->probe[b->take].got);
+}
+
 static int report_scene(report *a, const scene *s, const char *directory) {
   const report_options *o = a->options;
   budget *b = calloc(1, sizeof *b);
-  named subject = {0};
+  problem p = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
   if (!b) return complain_of(s->name, &error);
   *b = (budget){.scene = s, .accuracy = o->accuracy, .limit = budget_share * o->cpu};
   if (budget_run(b, &error) || b->take < 0) {
-    if (!was_interrupted()) (void)complain_of(s->name, &error);
+    if (was_interrupted())
+      result = EXIT_NOT_SOLVED;
+    else
+      (void)complain_of(s->name, &error);
     free(b);
-    return was_interrupted() ? EXIT_NOT_SOLVED : EXIT_BAD_INPUT;
+    return result;
   }
   budget_verdict(b, a->verdict, sizeof a->verdict);
   a->parts.scene = s;
   a->parts.take = &b->probe[b->take].at;
-  const int equilibrium = s->kind == KIND_EQUILIBRIUM;
-  dls_status status = equilibrium ? named_load(s->name, &subject, &error) : DLS_OK;
-  if (status)
-    (void)complain_of(s->name, &error);
-  else if (make_directory(a->folder) && begin_page(a, directory)) {
-    page_say(&a->page, PAGE_SECTION, "Error budget");
-    budget_tables(b, &a->page);
-    page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
-    if (budget_picture(b, a->folder))
-      (void)page_picture(&a->page, a->folder, "budget.svg",
-                         "What each part costs and brings: the error that it leaves against CPU");
-    add_parts(a, equilibrium ? &subject.contact : NULL);
-    part_run(&a->parts, &b->probe[b->take].got);
+  if ((o->quick || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
+      begin_page(a, directory)) {
+    add_scene(a, b, &p);
     result = end_page(a, directory, b->met);
   }
-  named_free(&subject);
+  problem_free(&p);
   free(b);
   return result;
 }
 
 /* ---- a file, or matrices --------------------------------------------------------------------- */
 
-static int report_contact(report *a, const dls_contact *contact, const char *directory) {
+/* Adds the budget and the rest of the page. */
+static int add_contact(report *a, const dls_contact *contact, const char *directory) {
   const report_options *o = a->options;
   file_budget b = {.contact = contact, .accuracy = o->accuracy, .limit = budget_share * o->cpu};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  if (file_budget_run(&b, &error))
+  if (file_budget_run(&b, &error)) {
     (void)complain_of(a->parts.name, &error);
-  else if (file_verdict(&b, a->verdict, sizeof a->verdict), make_directory(a->folder)) {
+  } else {
+    file_verdict(&b, a->verdict, sizeof a->verdict);
     if (begin_page(a, directory)) {
       page_say(&a->page, PAGE_SECTION, "Error budget");
       file_tables(&b, &a->page);
@@ -185,39 +190,27 @@ static int report_contact(report *a, const dls_contact *contact, const char *dir
   return result;
 }
 
-/* Writes the condensed problem of matrices as a file that chart and map read. */
+/* Writes the condensed problem of matrices as a file, which chart and map read. */
 static int save_problem(report *a, const problem *p, char path[PATH_ROOM]) {
   dls_error error = {0};
-  if (!make_directory(a->folder) || !join_path(path, a->folder, "problem.hdf5")) return 0;
-  if (!dls_fclib_write_local(path, &p->contact, a->slug, NULL, NULL, &error)) return 1;
-  (void)complain_of(path, &error);
-  return 0;
+  if (!join_path(path, a->folder, "problem.hdf5")) return 0;
+  a->parts.name = path;
+  if (!dls_fclib_write_local(path, &p->contact, a->shown, NULL, NULL, &error)) return 1;
+  return complain_of(path, &error), 0;
 }
 
-static int report_matrices(report *a, const char *directory) {
-  matrix_options m = a->options->matrices;
+static int report_contact(report *a, const char *directory) {
   problem p = {0};
   char path[PATH_ROOM];
   int result = EXIT_BAD_INPUT;
-  m.on = DLS_ON_W; /* the proofs, chart and map take W */
-  if (matrices_load(&m, &p) && save_problem(a, &p, path)) {
+  if (problem_open(a->shown, &a->options->from, &p) && make_directory(a->folder) &&
+      (!p.matrices || save_problem(a, &p, path))) {
     problem_fit_threads(&p);
-    a->parts.name = path;
-    result = report_contact(a, &p.contact, directory);
+    result = add_contact(a, &p.contact, directory);
+  } else if (was_interrupted()) {
+    result = EXIT_NOT_SOLVED;
   }
   problem_free(&p);
-  return result;
-}
-
-static int report_file(report *a, const char *directory) {
-  named subject = {0};
-  dls_error error = {0};
-  int result;
-  if (named_load(a->parts.name, &subject, &error))
-    result = complain_of(a->parts.name, &error);
-  else
-    result = report_contact(a, &subject.contact, directory);
-  named_free(&subject);
   return result;
 }
 
@@ -230,50 +223,24 @@ static int report_name(const char *name, int number, const report_options *o,
   scene s;
   dls_error error = {0};
   dls_status status = DLS_OK;
-  int result;
+  int result = EXIT_BAD_INPUT;
   if (!a) return complain("%s: out of memory", name);
   a->options = o;
+  a->shown = name;
   make_slug(name, number, a->slug);
   (void)snprintf(a->file, sizeof a->file, "%s.html", a->slug);
   a->parts.page = &a->page;
   a->parts.name = name;
   a->parts.folder = a->folder;
   a->parts.cpu = part_share * o->cpu;
-  if (!join_path(a->folder, directory, a->slug))
-    result = EXIT_BAD_INPUT;
-  else if (matrices_given(&o->matrices))
-    result = report_matrices(a, directory);
-  else if (scene_find(name, &s, &status, &error))
-    result = status ? complain_of(name, &error) : report_scene(a, &s, directory);
-  else
-    result = report_file(a, directory);
+  if (join_path(a->folder, directory, a->slug)) {
+    if (matrices_given(&o->from.matrices) || !scene_find(name, &s, &status, &error))
+      result = report_contact(a, directory);
+    else
+      result = status ? complain_of(name, &error) : report_scene(a, &s, directory);
+  }
   free(a);
   return result;
-}
-
-static taken take_report_option(int key, const char *text, void *data) {
-  report_options *o = data;
-  const taken matrix = take_matrix_option(key, text, &o->matrices);
-  if (matrix != OPTION_UNKNOWN) return matrix;
-  switch (key) {
-  case 'a':
-    if (!parse_number("accuracy", text, &o->accuracy)) return OPTION_WRONG;
-    if (o->accuracy > 0 && o->accuracy < 1) return OPTION_TAKEN;
-    return complain("--accuracy: '%s' is not between 0 and 1", text), OPTION_WRONG;
-  case KEY_CPU:
-    return parse_number("cpu", text, &o->cpu);
-  case KEY_TEXT:
-    o->text = 1;
-    return OPTION_TAKEN;
-  case KEY_QUICK:
-    o->quick = 1;
-    return OPTION_TAKEN;
-  case 'o':
-    o->out = text;
-    return OPTION_TAKEN;
-  default:
-    return OPTION_UNKNOWN;
-  }
 }
 
 /* Counts the names before k that make the same file name as that of k, and k. */
@@ -289,28 +256,22 @@ static int count_alike(char **names, int k) {
 }
 
 int command_report(int argc, char **argv) {
-  static const struct option options[] = {VALUE("accuracy", 'a'),
-                                          VALUE("cpu", KEY_CPU),
-                                          FLAG("quick", KEY_QUICK),
-                                          FLAG("text", KEY_TEXT),
-                                          VALUE("out", 'o'),
-                                          MATRIX_OPTIONS,
-                                          LAST_OPTIONS};
-  static const command report_command = {"o:", options, report_usage, take_report_option, 0};
+  static const option_row options[] = {ROW(A_NUMBER, "accuracy", 0, report_options, accuracy),
+                                       ROW(A_NUMBER, "cpu", 0, report_options, cpu),
+                                       ROW(A_FLAG, "quick", 0, report_options, quick),
+                                       ROW(A_FLAG, "text", 0, report_options, text),
+                                       ROW(A_TEXT, "out", 'o', report_options, out),
+                                       SOURCE_OPTIONS(report_options, from),
+                                       LAST_OPTIONS};
+  static const command report_command = {options, report_usage, NULL, 0};
   report_options o = {.accuracy = own_accuracy};
   const int stop = take_options(argc, argv, &report_command, &o);
   if (stop != GO_ON) return stop;
-  const char *matrix = matrices_name(&o.matrices);
+  if (!(o.accuracy > 0 && o.accuracy < 1))
+    return complain("--accuracy: '%g' is not between 0 and 1", o.accuracy);
   int count = argc - optind;
-  char **names = argv + optind;
-  char *single[] = {(char *)(size_t)matrix};
-  if (matrices_given(&o.matrices) ? count != 0 || !matrix : count == 0) return wrong_names(argv[0]);
-  if (matrix) {
-    names = single;
-    count = 1;
-  } else {
-    count = leave_lcps(count, names);
-  }
+  char **names = source_names(&count, argv, &o.from);
+  if (!names) return EXIT_BAD_INPUT;
   if (count == 0) return EXIT_SOLVED;
   if (o.cpu <= 0) o.cpu = o.quick ? quick_cpu : own_cpu;
   watch_interrupt();

@@ -158,7 +158,7 @@ typedef struct parts {
 void part_note(parts *a, const char *options);
 
 /* Add the section of a part. */
-void part_speed(parts *a);
+void part_speed(parts *a, int step);
 void part_stability(parts *a, const dls_contact *contact);
 void part_run(parts *a, const scene_answer *got);
 void part_commands(const parts *a);

@@ -9,7 +9,7 @@
 
 #include "report.h"
 
-enum { MAP_OF_METHODS = 6, MAP_OF_STEPS = 4, STEP_CELLS = 24, METHODS = 10, MOST_TABLE = 40 };
+enum { MAP_OF_METHODS = 6, MAP_OF_STEPS = 4, STEP_CELLS = 24, METHODS = 13, MOST_TABLE = 40 };
 enum { MOST_WORDS = 16, most_rows_of_facts = 1500, most_contacts_of_fold = 40 };
 
 /* ---- commands -------------------------------------------------------------------------------- */
@@ -99,9 +99,10 @@ static int make_part(parts *a, const char *what, const char *options, int (*run)
 
 /* ---- speed against accuracy ------------------------------------------------------------------ */
 
-void part_speed(parts *a) {
-  char path[PATH_ROOM], options[40];
-  (void)snprintf(options, sizeof options, "--budget=%.2g", a->cpu);
+void part_speed(parts *a, int step) {
+  char path[PATH_ROOM], options[40], of_step[24] = "";
+  if (step) (void)snprintf(of_step, sizeof of_step, " --step=%d", step);
+  (void)snprintf(options, sizeof options, "--budget=%.2g%s", a->cpu, of_step);
   if (!make_part(a, "chart", options, command_chart, path)) return;
   (void)page_picture(a->page, path, "chart.svg",
                      "Every method: residual, cost, error and convergence");
@@ -116,25 +117,18 @@ void part_speed(parts *a) {
 /* What the words of a map mean. */
 static const struct {
   const char *word, *meaning;
-} meanings[] = {
-    {"solved", "an answer with a certificate; a scene: it finishes"},
-    {"iterations", "limit of iterations reached: not decided"},
-    {"max_iterations", "limit of iterations reached: not decided"},
-    {"time", "limit of CPU reached: not decided"},
-    {"time_limit", "limit of CPU reached: not decided"},
-    {"stalled", "no progress: it cycles, or the residual stands still"},
-    {"ray", "a ray: Lemke's method stopped, a solution may or may not exist"},
-    {"likely none", "jam: the reactions grow without bound, no solution is likely"},
-    {"no_solution_likely", "jam: the reactions grow without bound, no solution is likely"},
-    {"proved none", "no solution: proved"},
-    {"no_solution", "no solution: proved"},
-    {"mesh folded", "the mesh folds"},
-    {"folded", "the mesh folds"},
-    {"refused", "too large for the method, or not of its kind"}};
+} meanings[] = {{"solved", "an answer with a certificate; a scene: it finishes"},
+                {"not decided", "a limit was met, and with ten times the limit, too: no verdict"},
+                {"no progress", "it cycles, or the residual stands still"},
+                {"ray", "Lemke's method stopped on a ray: a solution may or may not exist"},
+                {"likely none", "jam: the reactions grow without bound, no solution is likely"},
+                {"proved none", "no solution exists: proved"},
+                {"mesh folded", "the mesh folds"},
+                {"refused", "too large for the method, or not of its kind"}};
 enum { MEANINGS = sizeof meanings / sizeof meanings[0] };
 
-/* Counts the cells of map.csv by their verdict, in the column `column`. */
-static void count_cells(const parts *a, const char *path, const char *column) {
+/* Counts the cells of map.csv by their verdict. */
+static void count_cells(const parts *a, const char *path) {
   char name[PATH_ROOM], row[LONGEST_LINE], *field[MOST_FIELDS];
   int count[MEANINGS] = {0}, at = -1;
   FILE *file = join_path(name, path, "map.csv") ? fopen(name, "r") : NULL;
@@ -143,7 +137,7 @@ static void count_cells(const parts *a, const char *path, const char *column) {
     const int fields = cut_fields(row, field);
     if (at < 0) {
       for (int k = 0; k < fields; k++)
-        if (!strcmp(field[k], column)) at = k;
+        if (!strcmp(field[k], "verdict")) at = k;
       if (at < 0) break;
       continue;
     }
@@ -185,17 +179,17 @@ static void tell_friction(const parts *a, const dls_contact *contact) {
 }
 
 void part_stability(parts *a, const dls_contact *contact) {
-  const int steps = a->scene && a->scene->kind != KIND_EQUILIBRIUM;
+  const int steps = a->scene && a->scene->kind != SCENE_AT_ONCE;
   const int rows = steps ? MAP_OF_STEPS : MAP_OF_METHODS;
   char path[PATH_ROOM], options[60];
   (void)snprintf(options, sizeof options, "--rows=%d --limit=%.2g", rows,
                  a->cpu / (steps ? STEP_CELLS : rows * METHODS));
-  if (contact) tell_friction(a, contact);
+  if (!steps) tell_friction(a, contact);
   if (!make_part(a, "map", options, command_map, path)) return;
   const int drawn = page_picture(a->page, path, "map.svg",
                                  steps ? "Does the scene finish? Friction against steps"
                                        : "Which method works up to which friction");
-  count_cells(a, path, steps ? "status" : "verdict");
+  count_cells(a, path);
   if (!drawn)
     (void)page_csv(a->page, path, "map.csv", steps ? "" : "mu,method,verdict,cpu_s,residual", NULL,
                    PAGE_CELLS / PAGE_COLUMNS);
@@ -203,21 +197,17 @@ void part_stability(parts *a, const dls_contact *contact) {
 
 /* ---- the run: motion, contacts --------------------------------------------------------------- */
 
-static int run_scene_command(int argc, char **argv) {
-  return names_forming(argc, argv)  ? command_forming(argc, argv)
-         : names_moving(argc, argv) ? command_moving(argc, argv)
-                                    : command_scene(argc, argv);
-}
-
 void part_run(parts *a, const scene_answer *got) {
   char path[PATH_ROOM], options[SETTING_ROOM];
   static const char *const pictures[3][2] = {
       {"deformed.svg", "reactions.svg"}, {"force.svg", "pressure.svg"}, {"map.svg", "bar.svg"}};
-  const scene_kind kind = a->scene->kind;
+  static int (*const run[3])(int, char **) = {command_scene, command_forming, command_moving};
+  const int kind = (int)a->scene->kind - (int)SCENE_AT_ONCE;
+  const int moves = a->scene->kind == SCENE_MOVING;
   (void)setting_options(a->scene, a->take, options, sizeof options);
-  page_say(a->page, PAGE_SECTION, kind == KIND_MOVING ? "Motion: drift of energy" : "Contacts");
-  if (!make_part(a, "scene", options, run_scene_command, path)) return;
-  if (kind == KIND_MOVING) {
+  page_say(a->page, PAGE_SECTION, moves ? "Motion: drift of energy" : "Contacts");
+  if (!make_part(a, "scene", options, run[kind], path)) return;
+  if (moves) {
     page_say(a->page, PAGE_PLAIN,
              "The energy balance of the worst step is off by %.1e of the energies in it.",
              got->drift);

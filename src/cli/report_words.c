@@ -180,7 +180,7 @@ int budget_picture(const budget *b, const char *directory) {
                                        "tried together"};
   int points[4];
   if (!budget_csv(b, directory) || !budget_data(b, directory, points)) return 0;
-  FILE *s = open_in(directory, "budget.gp");
+  FILE *s = open_script(directory, "budget");
   if (!s) return 0;
   fputs("set datafile missing 'NaN'\n", s);
   begin_pictures(s, "budget", 760, 480);
@@ -199,6 +199,6 @@ int budget_picture(const budget *b, const char *directory) {
     if (points[k] > 0)
       fprintf(s, ", \\\n       'budget.dat' index %d using 1:2 with %s title '%s'", k, looks[k],
               titles[k]);
-  fputs("\n  unset output\n}\n", s);
-  return close_file(s, "budget.gp") && run_gnuplot(directory, "budget.gp");
+  fputs("\n", s);
+  return draw_script(s, directory, "budget") == 2;
 }

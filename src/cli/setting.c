@@ -206,23 +206,18 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
 /* ---- all ------------------------------------------------------------------------------------- */
 
 int scene_find(const char *name, scene *s, dls_status *status, dls_error *error) {
-  char word[64];
-  char *words[] = {word, word};
-  (void)snprintf(word, sizeof word, "%s", name);
-  if (!names_a_scene(name)) return 0;
   *s = (scene){.name = name, .answer = "answer", .unit = "", .own = {.mu = -1}};
-  s->kind = names_forming(2, words)  ? KIND_FORMING
-            : names_moving(2, words) ? KIND_MOVING
-                                     : KIND_EQUILIBRIUM;
+  s->kind = kind_of_scene(name);
   for (int k = 0; k < ANSWERS; k++)
     if (!strcmp(name, answers[k].name)) {
       s->answer = answers[k].answer;
       s->unit = answers[k].unit;
     }
-  *status = (s->kind == KIND_FORMING  ? own_forming
-             : s->kind == KIND_MOVING ? own_moving
-                                      : own_equilibrium)(s, error);
-  return 1;
+  if (s->kind)
+    *status = (s->kind == SCENE_FORMING  ? own_forming
+               : s->kind == SCENE_MOVING ? own_moving
+                                         : own_equilibrium)(s, error);
+  return s->kind != NO_SCENE;
 }
 
 dls_status scene_run(const scene *s, const setting *at, double limit, scene_answer *out,
@@ -232,9 +227,9 @@ dls_status scene_run(const scene *s, const setting *at, double limit, scene_answ
   for (int k = 0; k < REPEATS && !status && all < short_run; k++) {
     const double start = cpu_seconds();
     *out = (scene_answer){.value = NAN, .gap = NAN};
-    status = (s->kind == KIND_FORMING  ? run_forming_at
-              : s->kind == KIND_MOVING ? run_moving_at
-                                       : run_equilibrium)(s, at, limit, out, error);
+    status = (s->kind == SCENE_FORMING  ? run_forming_at
+              : s->kind == SCENE_MOVING ? run_moving_at
+                                        : run_equilibrium)(s, at, limit, out, error);
     const double seconds = cpu_seconds() - start;
     least = fmin(least, seconds);
     all += seconds;
@@ -275,13 +270,13 @@ const char *setting_variant(const scene *s, int k, setting *at) {
     return s->friction ? "no friction" : "";
   case 1:
     at->weighted = 1;
-    return s->kind == KIND_EQUILIBRIUM ? "weighted reactions" : "";
+    return s->kind == SCENE_AT_ONCE ? "weighted reactions" : "";
   case 2:
     at->penalty = 1000;
-    return s->kind == KIND_FORMING ? "penalty, factor 1000" : "";
+    return s->kind == SCENE_FORMING ? "penalty, factor 1000" : "";
   case 3:
     at->penalty = 2000;
-    return s->kind == KIND_FORMING ? "penalty, factor 2000" : "";
+    return s->kind == SCENE_FORMING ? "penalty, factor 2000" : "";
   case 4:
     at->clamped = 1;
     return strcmp(s->name, dls_forming_name(0)) ? "" : "bottom clamped"; /* indentation */

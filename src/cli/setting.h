@@ -6,8 +6,6 @@
 
 #include "cli.h"
 
-typedef enum scene_kind { KIND_EQUILIBRIUM, KIND_FORMING, KIND_MOVING } scene_kind;
-
 /* A setting. Fields that a scene does not have are 0. */
 typedef struct setting {
   double tol;
