@@ -110,6 +110,7 @@ static dls_status own_forming(scene *s, dls_error *error) {
   dls_forming_get(forming, &d);
   lattice_sides(d.mesh->nodes, d.mesh->quads, &s->own.nx, &s->own.ny);
   s->own.steps = d.steps;
+  s->whole = d.whole;
   s->own.tol = settings.tol;
   s->friction = 1;
   dls_forming_destroy(forming);
@@ -122,7 +123,7 @@ static dls_status run_forming_at(const scene *s, const setting *at, double limit
   dls_forming_data d;
   dls_forming_settings settings;
   dls_forming_settings_init(&settings);
-  settings.method = DLS_AUTO;
+  if (!forming_method(at->method ? at->method : "auto", &settings)) return DLS_E_ARGUMENT;
   settings.nx = at->nx;
   settings.ny = at->ny;
   settings.steps = at->steps;
@@ -164,6 +165,7 @@ static dls_status own_moving(scene *s, dls_error *error) {
     s->own.upper = d.settings.upper;
   }
   s->dynamic = d.dynamic;
+  s->whole = d.steps * d.h;
   s->friction = d.settings.mu > 0;
   s->own.mass = d.dynamic ? d.settings.mass : 0;
   dls_moving_destroy(moving);
@@ -176,6 +178,7 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
   dls_moving_data d;
   dls_moving_settings settings;
   dls_moving_settings_init(&settings);
+  if (!dls_method_find(at->method ? at->method : "auto", &settings.method)) return DLS_E_ARGUMENT;
   settings.nx = at->nx;
   settings.ny = at->ny;
   settings.upper = at->upper;

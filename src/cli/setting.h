@@ -9,7 +9,8 @@
 /* A setting. Fields that a scene does not have are 0. */
 typedef struct setting {
   double tol;
-  int nx, ny, upper; /* elements; upper: of two-blocks */
+  const char *method; /* of scenes in steps; NULL: auto */
+  int nx, ny, upper;  /* elements; upper: of two-blocks */
   int steps;
   double mu;             /* < 0: the scene's own */
   int weighted;          /* equilibrium: weighted reactions */
@@ -24,6 +25,7 @@ typedef struct scene {
   scene_kind kind;
   const char *answer, *unit; /* "force on the cylinder", "N/mm" */
   setting own;
+  double whole; /* of a scene in steps: the whole way, or the whole time */
   int dynamic;  /* 1: steps have to follow the mesh */
   int friction; /* 1: own friction is not 0 */
 } scene;
