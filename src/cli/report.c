@@ -20,8 +20,8 @@
 enum { SLUG = 80 };
 
 /* Parts of the CPU: the budget, and each of chart and map. */
-static const double budget_share = 0.55, part_share = 0.2;
-static const double own_accuracy = 1e-2, own_cpu = 60, quick_cpu = 6;
+static const double budget_share = 0.55, quick_share = 0.95, part_share = 0.2;
+static const double own_accuracy = 1e-2, own_cpu = 60, quick_cpu = 20;
 
 typedef struct report_options {
   double accuracy, cpu; /* cpu: seconds for a page; 0: own_cpu, quick_cpu */
@@ -38,7 +38,7 @@ static void report_usage(FILE *out) {
         "contacts, and the commands that draw each part again. The page needs no network.\n"
         "\n"
         "      --accuracy=E      wanted relative accuracy of the scene's answer (0.01)\n"
-        "      --cpu=S           approximate CPU seconds for a page (60; --quick 6)\n"
+        "      --cpu=S           approximate CPU seconds for a page (60; --quick 20)\n"
         "      --quick           the verdict, the error budget and the contacts only\n"
         "      --text            print the page as text, too\n"
         "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
@@ -142,7 +142,9 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
   if (!b) return complain_of(s->name, &error);
-  *b = (budget){.scene = s, .accuracy = o->accuracy, .limit = budget_share * o->cpu};
+  *b = (budget){.scene = s,
+                .accuracy = o->accuracy,
+                .limit = (o->quick ? quick_share : budget_share) * o->cpu};
   if (budget_run(b, &error) || b->take < 0) {
     if (was_interrupted())
       result = EXIT_NOT_SOLVED;
@@ -169,7 +171,9 @@ static int report_scene(report *a, const scene *s, const char *directory) {
 /* Adds the budget and the rest of the page. */
 static int add_contact(report *a, const dls_contact *contact, const char *directory) {
   const report_options *o = a->options;
-  file_budget b = {.contact = contact, .accuracy = o->accuracy, .limit = budget_share * o->cpu};
+  file_budget b = {.contact = contact,
+                   .accuracy = o->accuracy,
+                   .limit = (o->quick ? quick_share : budget_share) * o->cpu};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
   if (file_budget_run(&b, &error)) {

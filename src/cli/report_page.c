@@ -31,6 +31,7 @@ static const char style[] =
     ".lead { font-size: 1.15rem; padding: .7rem 1rem; background: var(--soft);\n"
     "  border-left: 4px solid var(--mark); overflow-wrap: anywhere }\n"
     ".note { font-size: .9rem; opacity: .85 }\n"
+    "span { white-space: nowrap }\n"
     "p { margin: .5rem 0 } p, li { overflow-wrap: anywhere }\n"
     ".wide { overflow-x: auto; margin: .7rem 0 }\n"
     "table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums }\n"
@@ -64,6 +65,19 @@ int page_close(page *p, const char *name) {
   return close_file(p->html, name);
 }
 
+/* Writes text between tags; numbers such as 1e-03 stay in one line. */
+static void write_words(const page *p, const char *text) {
+  const quoted q = quote(AS_HTML, text);
+  for (const char *at = q.text; *at;) {
+    const int length = (int)strcspn(at, " ");
+    const char *power = strstr(at, "e-");
+    const int whole = power && power < at + length && power > at;
+    fprintf(p->html, whole ? "<span>%.*s</span>" : "%.*s", length, at);
+    at += length;
+    if (*at) fputc(*at++, p->html);
+  }
+}
+
 void page_say(page *p, page_words kind, const char *format, ...) {
   static const char *const begin[] = {[PAGE_TITLE] = "<h1>",
                                       [PAGE_SECTION] = "<h2>",
@@ -77,7 +91,12 @@ void page_say(page *p, page_words kind, const char *format, ...) {
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
-  fprintf(p->html, "%s%s%s\n", begin[kind], quote(AS_HTML, text).text, end[kind]);
+  fputs(begin[kind], p->html);
+  if (kind == PAGE_COMMAND)
+    fputs(quote(AS_HTML, text).text, p->html);
+  else
+    write_words(p, text);
+  fprintf(p->html, "%s\n", end[kind]);
   if (!p->text) return;
   const char *shown = kind == PAGE_SECTION ? "\n== " : kind == PAGE_COMMAND ? "  $ " : "";
   printf("%s%s%s\n", shown, quote(AS_SHOWN, text).text, kind == PAGE_SECTION ? " ==" : "");
@@ -124,7 +143,9 @@ void page_table_end(page *p) {
       const char *cell = p->cell[i * p->columns + j];
       const int length = (int)strlen(quote(AS_SHOWN, cell).text);
       if (length > width[j]) width[j] = length;
-      fprintf(p->html, "<%s>%s</%s>", mark, quote(AS_HTML, cell).text, mark);
+      fprintf(p->html, "<%s>", mark);
+      write_words(p, cell);
+      fprintf(p->html, "</%s>", mark);
     }
     fputs("</tr>\n", p->html);
   }
