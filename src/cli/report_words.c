@@ -30,7 +30,7 @@ void budget_verdict(const budget *b, char *text, size_t size) {
     (void)snprintf(
         text, size,
         "Not decided: %.3g s of CPU do not reach %s. The best that was tried, %s: %s within "
-        "about %s, %.2g s. By the measured order %s would be enough, in about %.2g s",
+        "about %s, %.2g s. By the measured order %s would be enough, in about %.3g s",
         b->limit, wanted, words, s->answer, error, take->got.seconds,
         setting_words(s, &b->enough, more, sizeof more), b->enough_seconds);
   } else {
