@@ -1,7 +1,7 @@
 /*
  * report.c: is the setting that `delassus report` advises accurate enough, and is it cheap?
  *
- *   report [--out DIR] [--cpu S] [--scene NAME]
+ *   report [--out DIR] [--cpu S] [--scene NAME]...
  *       report.md: for each scene and accuracy the advised setting, its error beside a reference
  *       four times finer in mesh and steps, and its CPU beside the cheapest setting of a grid that
  *       is within the accuracy
@@ -13,7 +13,8 @@
  *
  * Grid: mesh by sqrt(2), steps by 2, the tolerance as advised, every setting up to twice the CPU of
  * the advised one. A setting of the grid counts if it and all settings of the grid that are as fine
- * or finer in both are within the accuracy of the reference: not by luck.
+ * or finer in both are within the accuracy of the reference: not by luck. Runs that do not finish
+ * do not count.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -93,7 +94,7 @@ static double find_cheapest(const scene *s, const setting *advised, double secon
         continue;
       }
       const scene_answer got = run_at(s, here, 4 * seconds);
-      *g = (grid_cell){1, fabs(got.value / reference - 1), got.seconds};
+      *g = (grid_cell){isfinite(got.value), fabs(got.value / reference - 1), got.seconds};
     }
   for (int i = 0; i < GRID; i++)
     for (int j = 0; j < GRID; j++) {
@@ -153,12 +154,13 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
 }
 
 int main(int argc, char **argv) {
-  const char *out = "bench/results", *only = NULL;
+  const char *out = "bench/results", *only[16];
+  int count = 0;
   double cpu = 33;
   for (int k = 1; k + 1 < argc; k += 2) {
     if (!strcmp(argv[k], "--out")) out = argv[k + 1];
     if (!strcmp(argv[k], "--cpu")) cpu = strtod(argv[k + 1], NULL);
-    if (!strcmp(argv[k], "--scene")) only = argv[k + 1];
+    if (!strcmp(argv[k], "--scene") && count < 16) only[count++] = argv[k + 1];
   }
   FILE *to = bench_page(out, "report", "The setting that delassus report advises", argc, argv);
   if (!to) return 1;
@@ -170,8 +172,10 @@ int main(int argc, char **argv) {
               "with all finer ones, and the error that the report measured.\n\n"
               "| scene | accuracy | advised | error | mesh of the reference | CPU s | cheapest | "
               "over the cheapest | as measured |\n|---|---|---|---|---|---|---|---|---|\n");
-  for (int k = 0; scene_name(k); k++)
-    if (!only || !strcmp(only, scene_name(k))) bench_scene(to, scene_name(k), cpu, &sum);
+  for (int k = 0; scene_name(k) && !count; k++)
+    bench_scene(to, scene_name(k), cpu, &sum);
+  for (int k = 0; k < count; k++)
+    bench_scene(to, only[k], cpu, &sum);
   bench_print(to,
               "\n%d pairs: %d met, %d missed, %d not decided within %g s of CPU, which the report "
               "says; %d of those decided cost at most twice the cheapest.\n",
