@@ -160,7 +160,7 @@ INLINE M NAME(solve_3d)(double *own, const V *p, V *s) {
   const M rough = mu > zero; /* else: along the normal alone */
   const V n = NAME(choose)(rough, f * size, -p0 * inv_a), t = (V)(rough & (M)(mu * f));
   const M good = slips & (n > zero) & (n <= NAME(all)(DBL_MAX));
-  NAME(store)(own + 8 * 13, NAME(choose)(good, l, old));
+  NAME(store)(own + 8 * 13, NAME(choose)(good & rough, l, old)); /* mu = 0: l has no end */
   s[0] = NAME(choose)(good, n, s[0]);
   s[1] = NAME(choose)(good, t * X, s[1]);
   s[2] = NAME(choose)(good, t * Y, s[2]);
