@@ -56,6 +56,10 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->own_order = dlsi_take(arena, n, sizeof *work->own_order);
     work->scratch = dlsi_take(arena, n, sizeof *work->scratch);
   }
+  if (work->stage != 1) {
+    work->visits = dlsi_take(arena, n, sizeof *work->visits);
+    work->earlier = dlsi_take(arena, 2 * n, sizeof *work->earlier);
+  }
   if (s->acceleration == DLS_ACCELERATION_MOMENTUM) {
     dlsi_momentum_carve(&work->momentum, arena, m);
     work->carved[0] = work->momentum.u;
@@ -156,8 +160,9 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
     return status;
   const int several = work->settings.limits.threads > 1, had = work->slabs.set.slabs > 0;
   if (several != had) work->groups.kept_size = 0;
-  if (!several)
-    work->slabs.set = (dlsi_set){.count = (*problem)->nc}; /* as numbered: the fewest sweeps */
+  if (!several) /* as numbered at first: the fewest sweeps */
+    work->slabs.set = (dlsi_set){.list = work->visited == (*problem)->nc ? work->visits : NULL,
+                                 .count = (*problem)->nc};
   else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
   if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
@@ -235,14 +240,40 @@ static void nlgs_set_limits(void *work, const dls_limits *limits) {
   dlsi_set_limits(&((dls_nlgs *)work)->settings.limits, limits);
 }
 
+/* Appends contact c to the visits, and the new ones that are numbered after it. */
+static int nlgs_append(int *visits, int count, int c, int nc, const int *from) {
+  do
+    visits[count++] = c++;
+  while (c < nc && from[c] < 0);
+  return count;
+}
+
+void dlsi_nlgs_map(void *workspace, int nc, const int *from) {
+  dls_nlgs *work = workspace;
+  if (!work->visits || (!from && !work->visited)) return;
+  int *old = work->earlier, *now = old + work->nc, count = 0, moved = 0;
+  const int had = work->visited;
+  memcpy(old, work->visits, (size_t)had * sizeof *old);
+  work->visited = 0;
+  work->groups.kept_size = had ? 0 : work->groups.kept_size;
+  if (!from) return;
+  for (int k = 0; k < work->nc; k++) /* now[k]: what contact k of the last solve is called now */
+    now[k] = -1;
+  for (int c = 0; c < nc; c++)
+    if (from[c] >= 0) now[from[c]] = c;
+  if (nc > 0 && from[0] < 0) count = nlgs_append(work->visits, count, 0, nc, from);
+  for (int k = 0; k < (had ? had : work->nc); k++) {
+    const int c = now[had ? old[k] : k];
+    if (c >= 0) count = nlgs_append(work->visits, count, c, nc, from);
+  }
+  for (int k = 0; k < nc; k++)
+    moved |= work->visits[k] != k;
+  if (count == nc && moved) work->visited = nc;
+  if (work->visited) work->groups.kept_size = 0;
+}
+
 const dlsi_method dlsi_nlgs_method = {
-    DLS_NLGS,
-    "nlgs",
-    "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
-    nlgs_create_by,
-    nlgs_solve,
-    nlgs_destroy,
-    nlgs_set_limits,
-    NULL,
-    NULL,
-    1};
+    DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
+    nlgs_create_by,  nlgs_solve, nlgs_destroy,
+    nlgs_set_limits, NULL,       NULL,
+    dlsi_nlgs_map,   1};

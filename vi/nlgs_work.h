@@ -34,6 +34,8 @@ struct dls_nlgs {
   int motions;             /* of a body; 0 where u is kept up to date */
   double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
   dlsi_nlgs_bodies bodies;
+  int *visits, *earlier;    /* nc: the order of the visits that dls_solver_map keeps; scratch */
+  int visited;              /* contacts of that order; 0: as they are numbered */
   int grouped;              /* 1: sweeps go over groups; u is not kept up to date then */
   dlsi_groups groups, part; /* all candidates; a set of (NL9) */
   dlsi_slabs slabs;         /* the order of the groups */

@@ -150,6 +150,12 @@ void dlsi_slabs_free(dlsi_slabs *slabs);
  * not measured then; u may be NULL. no_more: 1 to end that run where it would factorise. */
 void dlsi_newton_keep(void *work, const double *u, int no_more);
 
+/* Renames the contacts of the factors that the last run has left, dlsi_method.map. They are
+ * forgotten unless contacts stay in their order and only those without an unknown come or go.
+ * dlsi_nlgs_map renames the visits. */
+void dlsi_newton_map(void *work, int nc, const int *from);
+void dlsi_nlgs_map(void *work, int nc, const int *from);
+
 /* Lets all runs in this workspace factorise again where states have changed: a dense W and the same
  * one by blocks then lead to the same bits. */
 void dlsi_newton_anew(dls_newton *work);

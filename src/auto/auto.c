@@ -226,5 +226,6 @@ const dlsi_method dlsi_auto_method = {
     .set_limits = auto_set_limits,
     .direction = auto_direction,
     .farkas = auto_farkas,
+    .map = dlsi_auto_map,
     .takes_bodies = 1,
 };

@@ -97,6 +97,7 @@ typedef struct dlsi_auto {
   double of_step; /* what one with (SQ2) is expected to take, 0: as the first */
   int answers;    /* so many of the next two are there, of last_nc candidates */
   int last_nc;
+  int mapped;               /* contacts have come or gone since: W r is not known */
   double amplified;         /* error over residual of the last answer looked at */
   auto_answer last, former; /* of the solve before, and of the one before that */
 
@@ -251,6 +252,9 @@ int dlsi_auto_predict(dlsi_auto *work);
 
 /* (SQ2) Returns DLS_OK, an error, the reason for the end, or DLS_STALLED to go on. */
 dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error);
+
+/* (SQ3) */
+void dlsi_auto_map(void *automatic, int nc, const int *from);
 
 void dlsi_auto_remember_cost(dlsi_auto *work, const double *r);
 void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u);
