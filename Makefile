@@ -170,6 +170,7 @@ help:
 	@echo 'make bench-lanes     a sweep over groups of eight candidates beside one by one'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
+	@echo 'make bench-dynamics  columns of spheres that collapse, each step warm beside cold; BENCH=--large'
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
 	@echo 'make bench-least     cost of the least reactions; FCLIB=DIR'
 	@echo 'make bench-derive    cost of derivatives over that of the answer'
@@ -509,6 +510,7 @@ $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c folder.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
+$(BUILD)/bench/dynamics: $(call bench_obj,dynamics) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
@@ -549,6 +551,9 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
+bench-dynamics: $(BUILD)/bench/dynamics
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/dynamics --out $(RESULTS) $(BENCH)
+.PHONY: bench-dynamics
 .PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret
 FCLIB ?= data/fclib
 bench-prove: $(BUILD)/bench/prove $(PROGRAM)

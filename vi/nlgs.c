@@ -11,6 +11,7 @@
  *   nlgs_loop.c      (NL5) sweeps until the certificate holds, or until there is a reason to stop
  *   nlgs_ways.c      (NL6), (NL7) acceleration; (NL8), (NL10) momentum; (NL12) the two in turn
  *   nlgs_sets.c      (NL9) sweeps of their own where the residual is
+ *   nlgs_active.c    (NL13) sweeps over the contacts that act
  *   nlgs_work.h      the workspace; what these files call of each other
  *
  * This file makes the workspace, prepares it for the storage of W and for the threads, and has the
@@ -67,6 +68,8 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->near = dlsi_take(arena, n, sizeof *work->near);
     work->some = dlsi_take(arena, n, sizeof *work->some);
     work->rows = dlsi_take(arena, n, sizeof *work->rows);
+    work->acts = dlsi_take(arena, n, sizeof *work->acts);
+    work->acting = dlsi_take(arena, n, sizeof *work->acting);
   }
   if (!dlsi_nlgs_has_history(s) && !dlsi_nlgs_may_turn(work)) return;
   work->x = dlsi_take(arena, m, sizeof *work->x);
@@ -107,6 +110,7 @@ void dls_nlgs_destroy(dls_nlgs *workspace) {
   dlsi_formed_free(&workspace->formed);
   dlsi_groups_free(&workspace->groups);
   dlsi_groups_free(&workspace->part);
+  dlsi_groups_free(&workspace->active);
   dlsi_slabs_free(&workspace->slabs);
   free(workspace->bodies.moved);
   free(workspace->bodies.some);
@@ -150,7 +154,7 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   work->history.u = work->carved[2];
   work->history.DU = work->carved[3];
   work->history.of_u = (size_t)work->d * (size_t)(*problem)->nc;
-  work->grouped = 0;
+  work->grouped = work->whole = 0;
   dls_status status = dlsi_nlgs_has_history(&work->settings)
                           ? dlsi_form_blocks(&work->formed, problem, error)
                           : dlsi_lend(&work->formed, problem, error);
@@ -165,8 +169,11 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
                                  .count = (*problem)->nc};
   else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
-  if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
-  work->grouped = !status && work->groups.count > 0;
+  work->grouped = !status && work->knows && work->motions && !several;
+  if (!work->grouped) { /* (NL13) makes them where it ends */
+    if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
+    work->grouped = work->whole = !status && work->groups.count > 0;
+  }
   if (work->grouped && !work->motions) work->history.of_u = 0;
   return status;
 }
@@ -202,6 +209,8 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
                                   : problem->W.a && problem->d * problem->nc >= large_panel;
   dlsi_team_run(large ? work->settings.limits.threads : 1, nlgs_run_in_team, &run);
   status = run.status;
+  if (status == DLS_E_MEMORY) status = dlsi_no_memory(error);
+  if (status < 0) return status;
   if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);
   return status;
 }
@@ -248,8 +257,13 @@ static int nlgs_append(int *visits, int count, int c, int nc, const int *from) {
   return count;
 }
 
+const double *dlsi_nlgs_gap(const void *work) {
+  return ((const dls_nlgs *)work)->it.u;
+}
+
 void dlsi_nlgs_map(void *workspace, int nc, const int *from) {
   dls_nlgs *work = workspace;
+  work->knows = from && work->acts;
   if (!work->visits || (!from && !work->visited)) return;
   int *old = work->earlier, *now = old + work->nc, count = 0, moved = 0;
   const int had = work->visited;

@@ -154,6 +154,9 @@ void dlsi_newton_keep(void *work, const double *u, int no_more);
  * forgotten unless contacts stay in their order and only those without an unknown come or go.
  * dlsi_nlgs_map renames the visits. */
 void dlsi_newton_map(void *work, int nc, const int *from);
+
+/* Returns u of the answer of the last run of nlgs, after DLS_OK. */
+const double *dlsi_nlgs_gap(const void *work);
 void dlsi_nlgs_map(void *work, int nc, const int *from);
 
 /* Lets all runs in this workspace factorise again where states have changed: a dense W and the same

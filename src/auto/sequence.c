@@ -19,8 +19,9 @@
  *          Newton's method continues as long as the factors are useful, because more states change
  *          there than one new factor would correct.
  *   (SQ3)  map: where contacts get other numbers, come or go (dls_solver_map), the answers of (SQ1)
- *          are renamed, with r = 0 for new contacts. If any come or go, W r of both is made afresh:
- *          two products
+ *          are renamed, with r = 0 for new contacts. If any come or go, W r of both is made afresh
+ *          if W is dense: two products. W of a packing changes with each step; its answers are
+ *          not extrapolated then
  */
 #include <math.h>
 #include <string.h>
@@ -84,6 +85,7 @@ int dlsi_auto_predict(dlsi_auto *work) {
   if (work->answers < 2 || work->last_nc != problem->nc ||
       memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
+  if (work->mapped && !problem->W.a) return 0; /* (SQ3) */
   dlsi_auto_set_weights(work);
   if (work->mapped) multiply_answers(work);
   for (size_t k = 0; k < m; k++)
