@@ -8,7 +8,7 @@
 #include "common.h"
 
 static const double gravity = 9.81, mean_radius = 0.01, density = 2500; /* m/s2, m, kg/m3 */
-static const double margin = 0.05;                                      /* of the mean radius */
+static const double margin = 0.1;                                       /* of the mean radius */
 
 enum { d = 3, n = 6, contacts_of_one = 8 };
 

@@ -144,9 +144,12 @@ DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_c
  * in them. auto and nlgs keep the order in which a sweep visits the contacts, with a new contact
  * after the one before it in the numbering; auto also keeps the answers from which it extrapolates
  * and, for a dense W, Newton's factors if contacts stay in their order and only open ones come or
- * go. What the solver knows of costs stays, too. A solve of another number of contacts forgets the
- * map; another call before that solve replaces it. The last solve is the last one that returned no
- * error; before the first solve all contacts are new. Allocates nothing.
+ * go. What the solver knows of costs stays, too. Sweeps with momentum over at least 500 contacts
+ * that W does not couple densely leave out contacts without a reaction as long as they stay open.
+ *
+ * A solve of another number of contacts forgets the map; another call before that solve replaces
+ * it. The last solve is the last one that returned no error; before the first solve all contacts
+ * are new. Allocates nothing.
  *
  * DLS_E_SIZE (nc), DLS_E_ARGUMENT (from, with the index: out of range, or twice the same), with r
  * unchanged; DLS_E_BUSY. */
