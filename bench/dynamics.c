@@ -127,7 +127,7 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
   column_free(&a);
 }
 
-static int read_options(int argc, char **argv, plan *p, const char **out) {
+static int dynamics_read(int argc, char **argv, plan *p, const char **out) {
   for (int k = 1; k < argc; k++) {
     const char *value = k + 1 < argc ? argv[k + 1] : "";
     if (strcmp(argv[k], "--large") == 0) {
@@ -168,7 +168,7 @@ int main(int argc, char **argv) {
             .limit = 10};
   const char *out = "build";
   int count = 0;
-  if (read_options(argc, argv, &p, &out)) return 2;
+  if (dynamics_read(argc, argv, &p, &out)) return 2;
   p.page = bench_page(out, "dynamics", "Columns of spheres that collapse", argc, argv);
   if (!p.page) return 1;
   bench_print(p.page,

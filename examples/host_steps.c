@@ -27,11 +27,11 @@ static double H[2 * n * d * most], q[d * most], mu[most];
 static contacts now, last;
 static int from[most];
 
-static double inner(const double *a, const double *b) {
+static double scalar_product(const double *a, const double *b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void vector(const double *a, const double *b, double *c) {
+static void vector_product(const double *a, const double *b, double *c) {
   c[0] = a[1] * b[2] - a[2] * b[1];
   c[1] = a[2] * b[0] - a[0] * b[2];
   c[2] = a[0] * b[1] - a[1] * b[0];
@@ -49,15 +49,15 @@ static void set_frame(int c, const double *normal) {
   static const double axes[2][3] = {{1, 0, 0}, {0, 1, 0}};
   double(*f)[3] = now.frame[c];
   const double *t = from[c] >= 0 ? last.frame[from[c]][1] : axes[fabs(normal[0]) > 0.7];
-  const double along = inner(normal, t);
+  const double along = scalar_product(normal, t);
   for (int i = 0; i < d; i++)
     f[0][i] = normal[i];
   for (int i = 0; i < d; i++)
     f[1][i] = t[i] - along * normal[i];
-  const double length = sqrt(inner(f[1], f[1]));
+  const double length = sqrt(scalar_product(f[1], f[1]));
   for (int i = 0; i < d; i++)
     f[1][i] /= length;
-  vector(f[0], f[1], f[2]);
+  vector_product(f[0], f[1], f[2]);
 }
 
 static void add_contact(int a, int b, const double *normal, double gap) {
@@ -70,7 +70,7 @@ static void add_contact(int a, int b, const double *normal, double gap) {
   for (int j = 0; j < d; j++) {
     const double *e = now.frame[c][j];
     double arm[3] = {-radius * normal[0], -radius * normal[1], -radius * normal[2]}, turn[3];
-    vector(arm, e, turn); /* b, on the other side, turns the same way */
+    vector_product(arm, e, turn); /* b, on the other side, turns the same way */
     q[d * c + j] = j ? 0 : gap / h;
     for (int side = 0; side < 2; side++) {
       const int k = now.body[2 * c + side];
@@ -80,12 +80,13 @@ static void add_contact(int a, int b, const double *normal, double gap) {
         to[i] = (side ? -e[i] : e[i]) / sqrt(mass);
         to[3 + i] = turn[i] / sqrt(0.4 * mass * radius * radius);
       }
-      q[d * c + j] += (side ? -1 : 1) * (inner(v[k], e) - g * h * e[2]) + inner(v[k] + 3, turn);
+      q[d * c + j] += (side ? -1 : 1) * (scalar_product(v[k], e) - g * h * e[2]) +
+                      scalar_product(v[k] + 3, turn);
     }
   }
 }
 
-static void look(void) {
+static void look_for_contacts(void) {
   static const double up[3] = {0, 0, 1};
   last = now;
   now.count = 0;
@@ -93,7 +94,7 @@ static void look(void) {
     if (x[a][2] - radius < margin) add_contact(a, -1, up, x[a][2] - radius);
     for (int b = 0; b < a; b++) {
       double normal[3] = {x[a][0] - x[b][0], x[a][1] - x[b][1], x[a][2] - x[b][2]};
-      const double length = sqrt(inner(normal, normal));
+      const double length = sqrt(scalar_product(normal, normal));
       for (int i = 0; i < 3; i++)
         normal[i] /= length;
       if (length - 2 * radius < margin) add_contact(a, b, normal, length - 2 * radius);
@@ -101,7 +102,7 @@ static void look(void) {
   }
 }
 
-static void move(const double *r) {
+static void move_spheres(const double *r) {
   for (int a = 0; a < spheres; a++)
     v[a][2] -= g * h;
   for (int k = 0; k < 2 * now.count; k++) {
@@ -134,14 +135,14 @@ int main(void) {
   int solved = 0, known = 0, all = 0;
   double deepest = 0;
   while (!status && solved < steps) {
-    look();
+    look_for_contacts();
     dls_contact problem = {.d = d, .nc = now.count, .q = q, .mu = mu};
     problem.bodies = (dls_bodies){n, spheres, now.body, H, NULL};
     status = dls_solver_map(solver, now.count, from, r, &error);
     if (!status) status = dls_solver_solve(solver, &problem, r, NULL, NULL, &error);
     if (status) break;
     solved++;
-    move(r);
+    move_spheres(r);
     all += now.count;
     for (int c = 0; c < now.count; c++)
       known += from[c] >= 0;
