@@ -1,27 +1,27 @@
 /*
- * auto.c: the method auto beside the single methods.
+ * auto.c: compares the method auto with the single methods.
  *
  *   auto [--out DIR] NAME...
  *       auto.md: for each problem and tolerance the CPU of the solve, ms, "-" for not solved, and
- *       the stages of auto; for each method how often it got there, and its CPU over that of the
- *       quickest of the others
+ *       the stages of auto; for each method how often it solved, and its CPU over that of the
+ *       fastest other method
  *   auto --unique NAME...
- *       on the screen: CPU of a solve without and with info, us: the difference is the look for
+ *       on the screen: CPU of a solve without and with info, us. The difference is the search for
  *       other answers, info.unique and info.ambiguous
  *   auto [--out DIR] --price [SEED]
- *       price.md: what a step of each method takes in sweeps, beside what auto assumes
- *       (auto_price.c); fails where they are more than a factor of 2 apart
+ *       price.md: the cost of a step of each method in sweeps, measured and assumed by auto
+ *       (auto_price.c); fails if they differ by more than a factor of 2
  *   auto --total [SEED]
  *       on the screen: what auto solves of generated problems, and its cost (auto_total.c)
  *   auto --nu NU SEED
- *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with that ratio of Poisson and
+ *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with this ratio of Poisson and
  *       frictions drawn from 0.3 to 4; that of auto over the best of the others
  *
  * NAME is one of
  *   FILE       an FCLIB file
  *   contact-N  a half-space under a flat stamp of N x N points that is pressed and turned
  *   plane-N    an elastic half-plane of N cells, held far below, pressed and pushed; most stick
- * The methods run in turn, and the least of several times is used. At most 20000 sweeps.
+ * The methods run in turn; the least of several times counts. At most 20000 sweeps.
  */
 #include <math.h>
 #include <stdio.h>
@@ -250,7 +250,7 @@ static int run_comparison(FILE *page, int count, char **name) {
   return EXIT_SOLVED;
 }
 
-/* ---- the price of a step --------------------------------------------------------------------- */
+/* ---- the cost of a step ---------------------------------------------------------------------- */
 
 /* Returns 1, or 0 after a message. number: NULL for 1. */
 static int read_seed(const char *number, unsigned long *seed) {
@@ -356,8 +356,8 @@ int main(int argc, char **argv) {
   if (count < 1 || count > most_files || (price && count > 2))
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
                     "--unique NAME... | --total [SEED] | --nu NU SEED");
-  FILE *page = price ? bench_page(directory, "price", "the price of a step", argc, argv)
-                     : bench_page(directory, "auto", "auto beside the single methods", argc, argv);
+  FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)
+                     : bench_page(directory, "auto", "auto against the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
   const int status = price ? run_price(page, count > 1 ? argv[first + 1] : NULL)
                            : run_comparison(page, count, argv + first);

@@ -1,14 +1,14 @@
 /*
- * auto_price.c: what a step of each method takes in units of an accelerated sweep, beside the price
- * that auto assumes, dlsi_auto_price_of (src/auto/price.c).
+ * auto_price.c: the cost of a step of each method in accelerated sweeps, measured, and as auto
+ * assumes it in dlsi_auto_price_of (src/auto/price.c).
  *
- * A run is CPU of the thread of a whole solve from r = 0 with a limit of iterations, on workspaces
- * that exist, the least of several. Its price is that over the CPU of a sweep; what Newton's method
- * sweeps at first is taken off, so that two steps or fewer say nothing. The unknowns are those of
- * the answer, or of the best r there is.
+ * A run is a whole solve from r = 0 with a limit of iterations, on existing workspaces: CPU of the
+ * thread, the least of several. Its cost is that over the CPU of a sweep. The first sweeps of
+ * Newton's method are subtracted, so that two steps or fewer show nothing. The unknowns are those
+ * of the answer, or of the best r.
  *
- * Prices are wrong where they differ by more than a factor of 2, and those of a method where more
- * than one in ten do, rounded up: a shared machine is off by a third at times. Plain sweeps are
+ * A cost is wrong if both differ by more than a factor of 2; those of a method if more than 10 % of
+ * them are wrong, rounded up: a shared machine is off by a third at times. Plain sweeps are
  * measured alone.
  */
 #include "auto_price.h"

@@ -1,4 +1,4 @@
-/* auto_price.h: the price of a step, measured and assumed; what auto takes in all. */
+/* auto_price.h: the cost of a step, measured and assumed; the total cost of auto. */
 #ifndef AUTO_PRICE_H
 #define AUTO_PRICE_H
 

@@ -1,5 +1,5 @@
 /*
- * auto_total.c: what auto takes on generated problems, together: the measure of a constant is the
+ * auto_total.c: the total cost of auto on generated problems. A constant is measured by the
  * difference that another value makes (src/auto/constants.h).
  *
  * Problems: every kind of regret_kinds.h with about 24, 70, 220 and 500 contacts, friction .1, .5,

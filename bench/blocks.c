@@ -1,17 +1,17 @@
 /*
- * blocks.c: products with W, dense and by blocks, beside yardsticks of the same memory, in one run.
+ * blocks.c: products with W, dense and by blocks, compared with simple products of the same memory.
  *
  *   blocks [--out DIR]    blocks.md
  *
  *   dense    u = W r + q; u and |W| |r|; one column block; a Gauss-Seidel sweep in which all
- *            candidates change: over one dgemv
+ *            contacts change: over one dgemv
  *   blocks   u = W r + q, and a sweep: over reading the bytes of W once
  *
- * CPU time. Short rounds in which each has its turn; ratios are medians of ratios within a round,
- * because the clock of a shared machine swings by 2, and products and solutions do not feel it
- * alike. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on tangents, 1e-3 more on the
- * diagonal, everything pressed and pushed, mu = 0.5. Blocks: so many symmetric pairs in a band at
- * random places as give the density named.
+ * CPU time. Short rounds in which each has its turn; ratios are medians of ratios within a round:
+ * the clock of a shared machine varies by a factor of 2, with different effects on products and
+ * solutions. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on tangents, 1e-3 more on the
+ * diagonal, everything pressed and pushed, mu = 0.5. Blocks: symmetric pairs in a band at random
+ * places, as many as give the density named.
  */
 #include <math.h>
 #include <stdint.h>

@@ -1,20 +1,20 @@
 /*
- * bodies.c: rigid bodies as W = H^T H beside W by blocks, and sweeps on two threads, with a model
- * of the memory traffic drawn to 64.
+ * bodies.c: compares rigid bodies as W = H^T H with W by blocks; sweeps on two threads, with a
+ * model of the memory traffic extended to 64.
  *
  *   bodies [--kind KIND] [--sizes N,N,..] [--seed S] [--dense ROWS] [--sweeps COUNT] [--rounds R]
  *          [--socket GB/s] [--out DIR]
  *
- * Storages are compared by CPU time on one thread, threads by wall time where two threads have two
+ * Storages are compared by CPU time on one thread, threads by wall time if two threads have two
  * cores to themselves; the page says whether they had.
  *
- * The model of a sweep on p threads: c seconds of a candidate in the cache, measured on the
- * smallest problem, B bytes of it that are read or written once,
+ * The model of a sweep on p threads: c seconds per contact in the cache, measured on the smallest
+ * problem, B bytes per contact that are read or written once,
  *
  *   t(p) = max( c span(p), B nc / memory(p) ) + barriers(p)
  *
- * span(p): candidates that the busiest thread visits, the slabs (vi/slabs.c) being handed out one
- * by one; memory(p) = p memory(1), up to what a socket has; barriers: as measured on two threads.
+ * span(p): contacts of the busiest thread, if the slabs (vi/slabs.c) are handed out one by one;
+ * memory(p) = p memory(1), up to the limit of a socket; barriers: as measured on two threads.
  */
 #include <math.h>
 #include <stdio.h>
@@ -374,7 +374,7 @@ int main(int argc, char **argv) {
   const char *out = "build";
   rigid a[most_sizes];
   if (read_options(argc, argv, &p, &out)) return 2;
-  p.page = bench_page(out, "bodies", "Rigid bodies as they are, and two threads", argc, argv);
+  p.page = bench_page(out, "bodies", "Rigid bodies in factored form, and two threads", argc, argv);
   p.csv = p.page ? bench_open(out, "bodies.csv") : NULL;
   if (!p.csv) return 1;
   fprintf(p.csv, "storage,candidates,threads,seconds,speedup,measured\n");

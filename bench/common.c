@@ -82,6 +82,19 @@ static void print_processor(FILE *page) {
     fputs("a machine", page);
 }
 
+/* Prints the date, and the commit of the source if git is there. */
+static void print_date(FILE *page) {
+  char text[64];
+  const time_t now = time(NULL);
+  struct tm day;
+  if (gmtime_r(&now, &day) && strftime(text, sizeof text, "%d %B %Y", &day))
+    fprintf(page, "%s, ", text);
+  FILE *git = popen("git describe --always --dirty=' and changes' 2>/dev/null", "r");
+  if (git && fgets(text, sizeof text, git))
+    fprintf(page, "commit %.*s, ", (int)strcspn(text, "\n"), text);
+  if (git) pclose(git);
+}
+
 FILE *bench_page(const char *directory, const char *name, const char *title, int argc,
                  char *const *argv) {
   char file[64], options[1024] = "";
@@ -99,6 +112,7 @@ FILE *bench_page(const char *directory, const char *name, const char *title, int
   fprintf(page, "# %s\n\nWritten by `make bench-%s", title, slash ? slash + 1 : argv[0]);
   if (*options) fprintf(page, " BENCH='%s'", options);
   fputs("`: ", page);
+  print_date(page);
   print_processor(page);
   fputs(", one BLAS thread, compiler " __VERSION__ ". Compare ratios, not seconds.\n\n", page);
   return page;

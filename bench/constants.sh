@@ -32,9 +32,9 @@ cat <<HEAD
 # What each constant of auto is worth
 
 Written by \`SEED=$seed bench/constants.sh\`: $all generated problems (bench/auto_total.c), 24 to 500 contacts, to 1e-6 and
-1e-8. As it stands auto solves $solved of them, at $mean sweeps (geometric mean of the cost by src/auto/price.c, which is
+1e-8. Unchanged, auto solves $solved of them, at $mean sweeps (geometric mean of the cost by src/auto/price.c, which is
 the same in every run). Change of that cost with half and twice the constant; in brackets the change of the number solved.
-0: the constant decides nothing on these problems; the table in src/auto/constants.h has the reason why it stands.
+0: the constant has no effect on these problems; the table in src/auto/constants.h has the reason for its value.
 
 | constant | value | halved | doubled |
 |---|---|---|---|

@@ -1,5 +1,5 @@
 /*
- * derive.c: the cost of derivatives beside that of the answer. Writes derive.md.
+ * derive.c: the cost of derivatives compared with that of the answer. Writes derive.md.
  *
  * Sets: random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, 50 to 500
  * contacts; elastic blocks and cubes (solvers_scenes.c) with 50 to 500 contacts; W dense. CPU

@@ -1,16 +1,16 @@
 /*
- * global.c: contact over whole surfaces on K (dls_global_solve) beside W (dls_reduction_create and
- * dls_solve) and beside the same splitting written with CHOLMOD (global_peer.c).
+ * global.c: compares contact over whole surfaces on K (dls_global_solve), on W
+ * (dls_reduction_create and dls_solve) and by the same splitting with CHOLMOD (global_peer.c).
  *
  *   global [--table NAME]... [--out DIR]         the tables: peer, growth, tolerance, robust,
  *                                                foreseen, choice, where; all without --table
  *   global --scene KIND SUPPORT LOAD NX NY NZ [--mu MU] [--tol TOL] [--seed SEED]
- *                                                one scene by all ways, on the screen only
+ *                                                one scene by all methods, on the screen only
  *
  * Every solve runs in a child process, which makes the scene itself: CPU seconds from create to the
- * answer, on one thread, and the peak of its memory without the model. Where ways are compared each
- * runs three times in turn, of which the fastest counts. Seeds are even: odd ones served for
- * tuning. W is refused where more than 4 GB are foreseen.
+ * answer, on one thread, and the peak of its memory without the model. Methods to be compared run
+ * three times each, in turn; the fastest run counts. Seeds are even: odd ones served for tuning. W
+ * is refused if its estimate is more than 4 GB.
  *
  * Writes DIR/global.md, and DIR/global.csv for the picture.
  */
@@ -84,10 +84,10 @@ static void table_peer(FILE *page) {
       task_of(PLATE, SOFT, PRESS, 50, 50, 3),  task_of(PLATE, SOFT, LIFT, 20, 20, 20),
       task_of(TUBE, SOFT, LIFT, 128, 24, 2),   task_of(PLATE, SOFT, LIFT, 100, 100, 3)};
   bench_print(
-      page, "## Beside W and beside CHOLMOD\n\n`make bench-global BENCH='--table peer'`\n\nTo "
+      page, "## Against W and against CHOLMOD\n\n`make bench-global BENCH='--table peer'`\n\nTo "
             "1e-8, friction .3. Peer: two factors by CHOLMOD "
-            "and the plain splitting, R = 1/w. W: reduction and auto; its memory is the one "
-            "foreseen where it is refused. Steps: CPU of the solve without its factorisations, in "
+            "and the plain splitting, R = 1/w. W: reduction and auto; its memory is an "
+            "estimate if it is refused. Steps: CPU of the solve without its factorisations, in "
             "factorisations.\n\n"
             "| scene | unknowns | contacts | K: s | MB | iterations | factors | steps | peer: s | "
             "MB | iterations | W: s | MB | K over peer: CPU | memory | W over K: CPU | memory |\n"
@@ -238,13 +238,13 @@ static void table_foreseen(FILE *page) {
       task_of(PLATE, SOFT, LIFT, 20, 20, 3),   task_of(PLATE, SOFT, LIFT, 50, 50, 3),
       task_of(PLATE, SOFT, LIFT, 20, 20, 20),  task_of(TUBE, SOFT, LIFT, 128, 24, 2)};
   bench_print(
-      page, "\n## Foreseen\n\n`make bench-global BENCH='--table foreseen'`\n\nFigures of "
-            "dls_global_estimate beside what happened. Factor: flops / "
+      page, "\n## Estimates\n\n`make bench-global BENCH='--table foreseen'`\n\nFigures of "
+            "dls_global_estimate against measured ones. Factor: flops / "
             "30e9 + 7e-9 s for each entry; step: step_bytes / (10 GB/s); create: .15e-6 s for each "
             "entry of a triangle of K.\n\n"
-            "| scene | Gflops of the factor | factor s | foreseen over measured | at 30 Gflops/s "
-            "alone | step ms | foreseen over measured | create s | foreseen over measured | MB | "
-            "foreseen over measured |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+            "| scene | Gflops of the factor | factor s | estimated over measured | at 30 Gflops/s "
+            "alone | step ms | estimated over measured | create s | estimated over measured | MB | "
+            "estimated over measured |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (size_t k = 0; k < sizeof tasks / sizeof tasks[0]; k++) {
     const result r = run_way(ON_K, &tasks[k].S, 0.3, 1e-8, turns, 0);
     const double entries = r.foreseen.factor_bytes / sizeof(double);
@@ -292,13 +292,12 @@ static void table_choice(FILE *page) {
   double most = 0;
   const task *all = scenes_of_choice(&count);
   double over[28];
-  bench_print(
-      page,
-      "\n## The choice\n\n`make bench-global BENCH='--table choice'`\n\n"
-      "dls_reduction_create_either beside K and W: bodies, seeds (6, 8) and supports that its "
-      "rule was not made by; friction .3, to 1e-8; fastest of three.\n\n"
-      "| scene | unknowns | contacts | K: s | W: s | chosen | s | over the better |\n"
-      "|---|---|---|---|---|---|---|---|\n");
+  bench_print(page,
+              "\n## The choice\n\n`make bench-global BENCH='--table choice'`\n\n"
+              "dls_reduction_create_either against K and W: bodies, seeds (6, 8) and supports that "
+              "did not serve to make its rule; friction .3, to 1e-8; fastest of three.\n\n"
+              "| scene | unknowns | contacts | K: s | W: s | chosen | s | over the better |\n"
+              "|---|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < count; k++) {
     result r[WAYS];
     run_ways(&all[k], 1 << ON_K | 1 << ON_W | 1 << EITHER, turns, r);
@@ -322,11 +321,12 @@ static void table_where(FILE *page, FILE *csv) {
   const int strips[] = {60, 120, 250, 500, 1000}, high[] = {1, 2, 4, 8, 16, 32, 64};
   const int plates[] = {6, 10, 16, 24, 32}, thick[] = {1, 2, 4, 8, 16};
   bench_print(
-      page, "\n## Where K begins to win\n\n`make bench-global BENCH='--table where'`\n\nStrips and "
-            "plates of many lengths and heights, soft, lift, "
-            "friction .3, to 1e-8; every way once, the faster of both scenes of seeds 2 and 4.\n\n"
-            "| scene | unknowns | contacts | contacts / unknowns | K: s | W: s | W over K |\n"
-            "|---|---|---|---|---|---|---|\n");
+      page,
+      "\n## Where K begins to win\n\n`make bench-global BENCH='--table where'`\n\nStrips and "
+      "plates of many lengths and heights, soft, lift, "
+      "friction .3, to 1e-8; every method once, the faster of both scenes of seeds 2 and 4.\n\n"
+      "| scene | unknowns | contacts | contacts / unknowns | K: s | W: s | W over K |\n"
+      "|---|---|---|---|---|---|---|\n");
   fputs("d,size,layers,n,nc,K_s,W_s,K_MB,W_MB\n", csv);
   for (int d = 2; d <= 3; d++)
     for (int a = 0; a < 5; a++)
@@ -404,7 +404,7 @@ int main(int argc, char **argv) {
                  stderr),
            2;
   if (!wanted) wanted = (1 << TABLES) - 1;
-  FILE *page = bench_page(directory, "global", "The contact problem on K beside W", argc, argv);
+  FILE *page = bench_page(directory, "global", "The contact problem on K against W", argc, argv);
   FILE *csv = wanted >> WHERE & 1 ? bench_open(directory, "global.csv") : NULL;
   if (!page || (wanted >> WHERE & 1 && !csv)) return EXIT_FAILURE;
   bench_print(page, "CPU seconds and peak memory of a child process, without the model; "

@@ -1,12 +1,12 @@
 /*
- * global_peer.c: the splitting on K with CHOLMOD, which no other file of this bench sees.
+ * global_peer.c: the splitting on K with CHOLMOD, which only this file of the bench uses.
  *
  *   R = 1/w,  w = 4 sum_i h_i^2 / K_ii of the normal: the local compliance of the node
  *   (K + H R H^T) x := f + H (r + R (z - s - g)),  u := H^T x + g,  s := mu |u_t| n,  v := u + s
  *   r := the projection of r - R v on the cone,    z := v - (r_old - r) / R
  *
  * Every 20 iterations x := K^-1 (f + H r) gives the residual. Supernodal factors of K and of K + H
- * R H^T, one analysis where H picks unknowns, so that patterns agree.
+ * R H^T, one analysis if H picks unknowns, so that patterns agree.
  */
 #include "global_peer.h"
 

@@ -1,4 +1,4 @@
-/* global_ways.c: the ways that a scene is solved, as global_ways.h describes them. */
+/* global_ways.c: the methods that solve a scene, as global_ways.h describes them. */
 #include "global_ways.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* global_ways.h: one scene solved in one way, in a child process. */
+/* global_ways.h: one scene solved by one method, in a child process. */
 #ifndef GLOBAL_WAYS_H
 #define GLOBAL_WAYS_H
 

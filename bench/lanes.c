@@ -1,10 +1,10 @@
 /*
- * lanes.c: a sweep of Gauss-Seidel over groups of eight candidates, in registers of 2, 4 and 8
- * lanes, beside the sweep over one after the other, from r = 0.
+ * lanes.c: compares a sweep of Gauss-Seidel over groups of eight contacts, in registers of 2, 4 and
+ * 8 lanes, with the sweep over one after the other, from r = 0.
  *
  *   lanes [--sizes N,N,..] [--seed S] [--sweeps COUNT] [--rounds R] [--out DIR]
  *
- * CPU nanoseconds a candidate and sweep, the least of the rounds, which go over all columns in
+ * CPU nanoseconds per contact and sweep, the least of the rounds, which go over all columns in
  * turn: on a busy machine compare columns of a row, not rows.
  */
 #include <math.h>

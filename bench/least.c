@@ -1,6 +1,5 @@
 /*
- * least.c: what the least reactions (dls_solver_settings.forces) cost, and what they are worth.
- * Writes least.md.
+ * least.c: cost and use of the least reactions (dls_solver_settings.forces). Writes least.md.
  *
  * Sets: tables of 4 to 32 legs and arches of 6 to 60 voussoirs at rest, walls (solvers_scenes.c),
  * FCLIB files of a directory; of these, problems of up to 600 rows whose reactions are free.

@@ -1,5 +1,5 @@
 /*
- * lemke.c: Lemke's method of delassus, the path alone and with its crash start, beside the
+ * lemke.c: compares Lemke's method of delassus, the path alone and with its crash start, with the
  * lexicographic Lemke of Siconos Numerics, on the same LCPs, in one run, in turn.
  *
  *   lemke [--max N] [--full] [--lcp DIR] [--out DIR]   the comparison: lemke.csv, lemke.md
@@ -7,16 +7,16 @@
  *
  * --full: the peer runs beyond n = 2100, too. --lcp: also every pair DIR/NAME_M.mtx, NAME_q.mtx.
  *
- * Every measurement runs in a child process, so that a crash or a run without end costs that
- * measurement only. It begins with a call that is not counted, unless that takes more than a
- * second; then calls are repeated for 20 ms at least between two readings of the CPU clock, and
- * averaged. Calls of delassus include create and destroy, since the peer allocates inside;
- * "reused" is the solve alone, with the crash start, on a workspace that is there already, as over
- * time steps. The peer's options are made once, outside. All answers are certified here by
- * dls_lcp_certify. The median over the repetitions counts.
+ * Every measurement runs in a child process: a crash or a run without end costs only that
+ * measurement. The first call is not counted, unless it takes more than a second. Then calls are
+ * repeated for at least 20 ms between two readings of the CPU clock, and averaged. Calls of
+ * delassus include create and destroy, as the peer allocates inside; "reused" is the solve alone,
+ * with the crash start, on an existing workspace, as over time steps. The peer's options are made
+ * once, outside. All answers are certified here by dls_lcp_certify. The median over the repetitions
+ * counts.
  *
- * Beside the time per exchange stand one dger (the update that a Lemke on the full condensed table
- * makes at each exchange) and one dgemv, both on n x (n+1).
+ * The time per pivot is shown with one dger (the update of a Lemke on the full condensed table at
+ * each pivot) and one dgemv, both on n x (n+1).
  */
 #include <dirent.h>
 #include <math.h>
@@ -429,8 +429,8 @@ int main(int argc, char **argv) {
   }
   output to = {bench_open(out, one ? "lemke_large.csv" : "lemke.csv"), NULL};
   if (to.csv)
-    to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method beside Siconos'", argc,
-                         argv);
+    to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method against Siconos'",
+                         argc, argv);
   if (!to.page) return 1;
   int status = 0;
   if (one)

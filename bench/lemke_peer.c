@@ -1,5 +1,5 @@
 /*
- * lemke_peer.c: Lemke's method of Siconos Numerics: the one file of bench/lemke that sees it.
+ * lemke_peer.c: Lemke's method of Siconos Numerics, which only this file of bench/lemke uses.
  */
 #include <stdlib.h>
 #include <string.h>

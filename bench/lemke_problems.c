@@ -4,7 +4,7 @@
  *
  * Random: M = S + K, S = (3/n) G G^T + 0.1 I symmetric with eigenvalues from 0.1 to about 4.1, K
  * skew with entries in 0.02 [-1, 1]; G and q have entries in [-1, 1]. M is positive definite, so
- * there is one solution; half of q is negative, which takes Lemke about n/2 exchanges.
+ * there is one solution; half of q is negative, which takes Lemke about n/2 pivots.
  *
  * Friction: a lining, the flat elastic block of nx x 8 square elements (two T3 each, plane strain,
  * E = 1, nu = 0.3, element size 1), glued with its top to a rigid back. Its nx + 1 bottom nodes are

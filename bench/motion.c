@@ -1,13 +1,13 @@
 /*
- * motion.c: what the reduction takes of each step of a body that moves, beside one solve.
+ * motion.c: compares the cost of the reduction in each step of a moving body with one solve.
  *
  *   motion [--out DIR] [--case D CELLS]
  *
  * A step is dls_reduction_load, the contact problem (not timed here), dls_reduction_recover. The
- * peer is one solve by CHOLMOD with the same K: supernodal and simplicial, each with its own order,
- * of which the faster counts. All three take turns in one process, each for as many steps as take
- * 20 ms; the least CPU time of the turns counts. x is compared with the peer's solve for the same f
- * + H r, and beside it stands the residual |K x - f - H r| / (|K||x|).
+ * peer is one solve by CHOLMOD with the same K: supernodal and simplicial, each with its own order;
+ * the faster one counts. All three take turns in one process, each for as many steps as take 20 ms;
+ * the least CPU time of the turns counts. x is compared with the peer's solve for the same f + H r,
+ * and shown with the residual |K x - f - H r| / (|K||x|).
  */
 #include <math.h>
 #include <stdint.h>

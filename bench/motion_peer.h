@@ -1,4 +1,4 @@
-/* motion_peer.h: a solve by CHOLMOD, which no other file of bench/motion sees. */
+/* motion_peer.h: a solve by CHOLMOD, used by no other file of bench/motion. */
 #ifndef MOTION_PEER_H
 #define MOTION_PEER_H
 

@@ -26,15 +26,16 @@ set logscale xy
 set xrange [1:64]
 set xtics (1, 2, 4, 8, 16, 32, 64)
 set xlabel "ranks"
-set ylabel "seconds"
+set ylabel "CPU seconds of a rank"
 set key outside right
 set grid
 do for [type in "png svg"] {
   if (type eq 'png') { set terminal pngcairo size 900,520 font ',12' }
   if (type eq 'svg') { set terminal svg size 900,520 font ',12' background 'white' }
   set output dir."mpi.".type
-  plot for [c in "22 30 60 100"] factor(c + 0, x) title "factor, ".c."^3" lw 2, \
-       for [c in "22 30 60 100"] solve(c + 0, x) title "solve, ".c."^3" dt 2 lw 2, \
-       csv every ::1 using ($1 == 26 ? NaN : $2):12 with points pt 7 lc rgb "black" title "factor, CPU measured", \
-       csv every ::1 using ($1 == 26 ? NaN : $2):24 with points pt 6 lc rgb "black" title "solve, CPU measured"
+  cubes = "22 30 60 100"
+  plot for [k=1:4] factor(word(cubes, k) + 0, x) title "model: factor, ".word(cubes, k)."^3 cubes" dt 2 lw 2 lc k, \
+       for [k=1:4] solve(word(cubes, k) + 0, x) title "model: solve, ".word(cubes, k)."^3 cubes" dt 3 lw 2 lc k, \
+       for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):12 with points pt 7 lc k title "measured: factor, ".word(cubes, k)."^3", \
+       for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):24 with points pt 6 lc k title "measured: solve, ".word(cubes, k)."^3"
 }

@@ -37,7 +37,7 @@ done
 [ -x "$build/examples/mpi/host_petsc" ] || exit 0
 {
   echo
-  echo "\`build/examples/mpi/host_petsc CELLS [HEIGHT]\`, one rank: conjugate gradients and algebraic multigrid in the place of"
+  echo "\`build/examples/mpi/host_petsc CELLS [HEIGHT]\`, one rank: conjugate gradients and algebraic multigrid in place of"
   echo "the factor, friction .3, tolerance 1e-8; memory of the process."
   echo
   echo "| elements | n | outer iterations | Krylov iterations a solve | MB |"

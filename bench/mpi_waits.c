@@ -1,11 +1,11 @@
 /*
  * mpi_waits.c: takes the CPU time within MPI out of the clock of bench/mpi.c.
  *
- * A rank that waits spins, so that its CPU seconds say little of its work, and its wall seconds say
- * little on a machine that others use, too. These functions stand before MPI's own (its profiling
- * interface, PMPI), time them, and the clock that the program reads (linked with
- * --wrap=clock_gettime) leaves that time out: computation alone, without messages and waiting.
- * Functions that MUMPS, BLACS and libdelassus-mpi call; Fortran's by reference.
+ * A rank that waits spins: its CPU seconds do not show its work, nor do its wall seconds on a
+ * machine that others use, too. These functions replace MPI's own (its profiling interface, PMPI)
+ * and time them. The clock that the program reads (linked with --wrap=clock_gettime) subtracts that
+ * time: computation alone, without messages and waiting. Functions that MUMPS, BLACS and
+ * libdelassus-mpi call; Fortran's by reference.
  */
 #include <mpi.h>
 #include <time.h>

@@ -1,5 +1,5 @@
 /*
- * prove.c: how many certified answers dls_contact_prove proves, and at what cost. Writes proof.md.
+ * prove.c: counts the certified answers that dls_contact_prove proves; its cost. Writes proof.md.
  *
  * Sets: random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, 1 to 300
  * rows, even seeds; FCLIB files of one directory; those of another one with Jean's block, saved by
@@ -93,9 +93,9 @@ int main(int argc, char **argv) {
   FILE *page = bench_page(out, "proof", "Proofs of answers", argc, argv);
   if (!page) return 1;
   bench_print(page,
-              "\nAnswers of auto at 1e-8, and what `dls_contact_prove` says of them. Regular: full "
-              "rank and no contact on a border\nof two states, as `dls_contact_sensitivity` sees "
-              "them. Cost: CPU of the proof over that of the solve, median;\nthe last column that "
+              "\nAnswers of auto at 1e-8, and the result of `dls_contact_prove`. Regular: full "
+              "rank and no contact on a border\nof two states, by `dls_contact_sensitivity`. "
+              "Cost: CPU of the proof over that of the solve, median;\nthe last column that "
               "of 50 to 500 contacts, W dense.\n\n"
               "| set | solved | regular | regular, not proved | proved | positions proved | on a "
               "border | largest radius | cost | cost, 50 to 500 |\n"
@@ -118,7 +118,7 @@ int main(int argc, char **argv) {
   bench_print(page, "\nMedian cost of all %zu problems of 50 to 500 contacts, W dense: %.2f.\n",
               count, bench_median(count, all));
   bench_print(page,
-              "\nProofs beside exact answers, of problems of integers and of planted solutions: "
+              "\nProofs against exact answers, of problems of integers and of planted solutions: "
               "`CK_DEFAULT_TIMEOUT=0\nbuild/tests/facts/test_prove 100000`.\n");
   return fclose(page) != 0;
 }

@@ -7,11 +7,11 @@
  *
  * The peers factor K and solve for the columns of H: CHOLMOD for 64 columns at a time, adding H^T
  * X to W as it goes; UMFPACK for one. MUMPS alone is its factorisation with the Schur complement
- * in the order of delassus, without ordering, analysis and W: a bound for every way through MUMPS.
+ * in the order of delassus, without ordering, analysis and W: a bound for all methods by MUMPS.
  *
- * Each way runs in a child process that builds the box itself, so that its peak memory is its own;
- * W comes back in shared memory. delassus and MUMPS alone run three times in turn, of which the
- * least CPU time counts; a peer runs once. Writes DIR/reduction.csv and DIR/reduction.md.
+ * Each method runs in a child process that builds the box itself, so that its peak memory is its
+ * own; W comes back in shared memory. delassus and MUMPS alone run three times in turn; the least
+ * CPU time counts. A peer runs once. Writes DIR/reduction.csv and DIR/reduction.md.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /*
- * reduction_peer.c: W by CHOLMOD, UMFPACK and MUMPS, which no other file of bench/ sees.
+ * reduction_peer.c: W by CHOLMOD, UMFPACK and MUMPS, which only this file of bench/ uses.
  */
 #include "reduction_peer.h"
 

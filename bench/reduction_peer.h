@@ -1,4 +1,4 @@
-/* reduction_peer.h: W without delassus, for an H that picks one unknown a column. */
+/* reduction_peer.h: W without delassus, for an H that picks one unknown per column. */
 #ifndef REDUCTION_PEER_H
 #define REDUCTION_PEER_H
 

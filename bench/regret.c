@@ -14,13 +14,13 @@
  *   --tol      1e-4 and 1e-8
  *   --seconds  limit of CPU for each solve and 500 contacts; 0.5
  *   --info     solves that fill a dls_info: dense W of up to 300 rows have their error predicted
- *   --file     an FCLIB file (local problem) in place of generated problems; may be repeated
+ *   --file     an FCLIB file (local problem) instead of generated problems; may be repeated
  *   --one      prints the CPU of all methods and the stages of auto
  *
  * regret = CPU of auto / CPU of the best single method whose answer the certificate accepts. A
  * solve is a child process (solvers_call.c): repeated up to 20 ms, the least counts. Methods: nlgs
- * plain, with momentum, with Anderson's acceleration, newton, admm, augmented Lagrangian; lemke and
- * homotopy where small. Rests and joints are parts of auto without a method of their own.
+ * plain, with momentum, with Anderson's acceleration, newton, admm, augmented Lagrangian; for small
+ * problems lemke and homotopy. Rests and joints are steps of auto without a method of their own.
  *
  * Writes regret.md and regret.csv.
  */
@@ -185,8 +185,8 @@ static int open_page(plan *p, const char *out, int argc, char **argv) {
   fprintf(p->csv, "kind,size,contacts,mu,seed,tol,auto,best,peer,method,peer method,stages\n");
   fputs("Regret is the CPU of auto over the CPU of the best single method that solves the problem "
         "to the same tolerance. 1: auto loses nothing. Unsolved: auto fails, a method does not; "
-        "such problems are in no median. Methods are stopped at twice the CPU of auto: where none "
-        "comes in, regret counts as 0.5. Slower than peer: auto takes longer than the best "
+        "such problems are in no median. Methods are stopped at twice the CPU of auto: if none "
+        "solves by then, regret counts as 0.5. Slower than peer: auto takes longer than the best "
         "solver of Siconos; worst to peer: CPU of auto over it.\n",
         p->page);
   return 0;

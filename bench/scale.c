@@ -1,6 +1,6 @@
 /*
- * scale.c: rigid bodies from 300 to 100,000 candidates, and two elastic ones up to 2000: every
- * method of delassus that holds out beside Siconos' Gauss-Seidel, and how time grows.
+ * scale.c: compares every fast enough method of delassus with Siconos' Gauss-Seidel on rigid bodies
+ * from 300 to 100,000 contacts, and two elastic ones up to 2000; shows how time grows.
  *
  *   scale [--kind KIND] [--sizes N,N,..] [--tol TOL] [--seed S] [--seeds COUNT] [--limit SECONDS]
  *         [--no-peer] [--only METHOD,..] [--out DIR]
@@ -9,11 +9,11 @@
  *   --seeds  so many seeds: S, S + 2, ..
  *   --only   these of delassus: auto, nlgs, momentum, anderson, admm, augmented
  *
- * Writes scale.md and, for scale.gp, scale.csv: kind, candidates, CPU of auto, of the best other
+ * Writes scale.md and, for scale.gp, scale.csv: kind, contacts, CPU of auto, of the best other
  * method, of the peer; empty for none.
  *
- * Time is CPU of the solve from r = 0 (solvers_call.c). A cell that is not a time says how the
- * solve ended. The exponent of growth is the slope of log(time of auto) over log(candidates).
+ * Time is CPU of the solve from r = 0 (solvers_call.c). A cell that is not a time shows how the
+ * solve ended. The exponent of growth is the slope of log(time of auto) over log(contacts).
  */
 #include <math.h>
 #include <stdio.h>

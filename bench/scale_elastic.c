@@ -8,7 +8,7 @@
  *   W = F + D F D / E2
  *
  * Without reactions the upper body moves as its rigid part does: q_n is the gap of two crowned and
- * slightly rough faces less the way down, q_t the way along. About half of the candidates touch.
+ * slightly rough faces less the motion down, q_t the motion along. About half the contacts touch.
  */
 #include "scale_elastic.h"
 
@@ -47,7 +47,7 @@ static void elastic_gaps(elastic *a, int cells, double down, uint64_t state) {
   }
 }
 
-/* Puts W by blocks in the place of W dense. */
+/* Puts W by blocks in place of W dense. */
 static int elastic_by_blocks(elastic *a) {
   const size_t d = (size_t)a->contact.d, nc = (size_t)a->contact.nc;
   a->p = calloc(nc + 1, sizeof *a->p);

@@ -1,6 +1,6 @@
 /*
- * solvers.c: every method of delassus beside the friction contact solvers of Siconos Numerics, on
- * the same problems, in one run.
+ * solvers.c: compares every method of delassus with the friction contact solvers of Siconos
+ * Numerics, on the same problems, in one run.
  *
  *   solvers [--full] [--patient] [--dir DIR] [--set SET] [--method NAME] [--limit SECONDS]
  *           [--out DIR]
@@ -11,31 +11,31 @@
  *   --set SET   fclib, block, cube or wall only
  *
  * A target is a residual of the certificate (contact.h), of positions and of forces: 1e-4, 1e-8,
- * 1e-12. A solver has met a target if the certificate of its answer, recomputed here from W, q and
- * mu, holds; its own claim counts for nothing. Verdicts: `limit`, stopped by the CPU limit;
- * `crash`, a signal or exit(); `wrong`, it claims success with a tolerance not above the target,
- * and the certificate does not hold; `refused`, it returns an error.
+ * 1e-12. A solver meets a target if the certificate of its answer, recomputed here from W, q and
+ * mu, holds; its own claim does not count. Verdicts: `limit`, stopped by the CPU limit; `crash`, a
+ * signal or exit(); `wrong`, it claims success with a tolerance not above the target, and the
+ * certificate does not hold; `refused`, it returns an error.
  *
  * delassus runs with its default settings and the target as its tolerance. The peer measures its
- * error in its own way: it is run down a ladder of its own tolerances, and its cheapest run whose
- * answer meets the target counts. The next step of the ladder is a tenth of the last; once 1e-4 is
- * met, what it would take for the next target if the residual were proportional to the tolerance,
- * less a decade: (SO1). Its iterations are limited by the CPU limit alone, but for its Newton and
- * proximal methods: their defaults, at least 1000.
+ * error differently: it runs with a series of its own tolerances, and its cheapest run that meets
+ * the target counts. The next tolerance of the series is a tenth of the last. Once 1e-4 is met, it
+ * is the tolerance for the next target if the residual were proportional to the tolerance, less a
+ * decade: (SO1). Only the CPU limit limits its iterations, except for its Newton and proximal
+ * methods: their defaults, at least 1000.
  *
  * Time is the CPU of the solve, the least of up to 40 readings of the clock while they take less
  * than 20 ms together; calls are repeated between two readings until these are 50 us apart, each
- * from r = 0. The peer gets matrix and options again for each call, and where that repeats calls,
- * also once for all of them; the faster counts. The peer allocates inside its call, delassus in
- * dls_solver_create: that is not in the ratios but in the column setup_s, as is what dls_solve
- * takes more than the solve on a solver that is there.
+ * from r = 0. The peer gets matrix and options again for each call; if calls are repeated, also
+ * once for all of them; the faster counts. The peer allocates inside its call, delassus in
+ * dls_solver_create: that is not in the ratios but in the column setup_s, as is the extra cost of
+ * dls_solve over the solve on an existing solver.
  *
  * An impatient run stops a solver of delassus that takes 10 times as long as the best of delassus
  * so far, one of the peer that takes 3 times as long as the best of the peer so far, but neither
- * before 0.2 s: what it drops could not have been the best of its side. In the end auto and the
+ * before 0.2 s: a stopped solver could not have been the best of its side. At the end auto and the
  * best of each side take turns three times more, up to 20 times while auto takes more than 0.8 of
- * the best of the peer, for the clock of a machine can change from one solver to the next; the
- * least counts, as a row of its own.
+ * the best of the peer: the clock of a machine can change from one solver to the next. The least
+ * counts, as a row of its own.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /*
- * solvers_call.c: one measured solve in a child process, so that a crash, an exit() or a run
- * without end costs one row of the table.
+ * solvers_call.c: one measured solve in a child process: a crash, an exit() or a run without end
+ * costs one row of the table.
  */
 #include <fcntl.h>
 #include <math.h>

@@ -1,12 +1,12 @@
 /*
  * solvers_peer.c: the friction contact solvers of Siconos Numerics.
  *
- * Each is taken with its default options and with one or more of the settings that its headers
- * offer; besides, only the tolerance is changed, and the iteration limit to one that never comes
- * first. W is stored as the solver likes it best: dense where W is dense, else blocks for sweeps,
- * sparse for Newton and ADMM; small ones dense, too. Matrix and options are made again for each
- * call, since some solvers write into them; short calls are also tried one after the other on one
- * matrix, which is then in the cache.
+ * Each runs with its default options and with one or more of the settings that its headers offer;
+ * besides, only the tolerance is changed, and the iteration limit to one that never comes first. W
+ * is stored in the best form for the solver: dense if W is dense, else blocks for sweeps, sparse
+ * for Newton and ADMM; small ones dense, too. Matrix and options are made again for each call, as
+ * some solvers write into them. Short calls are also tried in a row on one matrix, which is then in
+ * the cache.
  */
 #include <stdlib.h>
 #include <string.h>

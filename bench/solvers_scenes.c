@@ -1,8 +1,8 @@
 /*
  * solvers_scenes.c: the contact problems of bench/solvers.
  *
- * fclib, global: every file of a directory; at most 20 candidates: set "tiny". A global problem
- * (K, H) comes twice: as it is, where delassus reduces first and that counts, and reduced.
+ * fclib, global: every file of a directory; at most 20 contacts: set "tiny". A global problem
+ * (K, H) comes twice: unchanged, where the reduction by delassus counts, and reduced.
  *
  * block, cube: an elastic block, E = 1, nu = 0.3, of equal slabs piled upwards, b unknowns on the
  * plane between two slabs. One slab has the stiffness (ll lu; ul uu), 2 b x 2 b. From the top
@@ -18,15 +18,15 @@
  *   press  down, and along by as much     hertz  down on a paraboloid obstacle, and along
  *   shear  down, and along by 5 times it  tilt   down, turned so that a part opens, and along
  *
- * and in cubes a twist about the vertical besides. raous (2D): a free top under pressure, pushed
+ * and in cubes a twist about the vertical as well. raous (2D): a free top under pressure, pushed
  * from the left, u_x = 0 on the right edge and both unknowns of its lowest node, as in [Jean 1988]
- * 4.5: W is ill-conditioned, since the block stands on that node and on the candidates. Triangles
+ * 4.5: W is ill-conditioned, as the block rests on that node and on the contacts. Triangles
  * (src/fe) in 2D, 16 to 128 candidates; hexahedra with eight nodes in 3D, 6, 12 and 18 elements a
- * side (49 to 361 candidates), with --full also 24 (625). mu = 0.3 and 1 (18 a side: 0.3), with
+ * side (49 to 361 contacts), with --full also 24 (625). mu = 0.3 and 1 (18 a side: 0.3), with
  * --full 0.1 to 2. bench/auto has cubes of other ratios of Poisson, frictions drawn.
  *
  * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
- * of every other row; two candidates for each pair of faces that touch, 20 to 336 of them; mu is
+ * of every other row; two contacts for each pair of faces that touch, 20 to 336 of them; mu is
  * 0.3, 1, 8, with --full also 0.6 and 3. In one time step, from rest, gravity gives each brick the
  * velocity (push, -1): W = H^T M^-1 H (SS3) is rank deficient and sparse, u a velocity.
  */

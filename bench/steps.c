@@ -2,10 +2,10 @@
  * steps.c: many problems one after the other: a batch of small ones, and the steps of a load path.
  *
  *   steps [--out DIR]
- *       steps.md: CPU of dls_solve_batch beside a loop of dls_solve on boxes with four candidates,
- *       and of a load path of 50 steps, smooth or with jumps, each from the answer of the last,
- *       beside the same steps from nothing; and of a punch with and without the candidates that
- *       cannot touch
+ *       steps.md: CPU of dls_solve_batch compared with a loop of dls_solve on boxes with four
+ *       contacts; of a load path of 50 steps, smooth or with jumps, each from the answer of the
+ *       last, compared with the same steps from zero; and of a punch with and without the contacts
+ *       that cannot touch
  *
  * Each time is the least of several runs that take turns; seeds are even.
  */
@@ -267,7 +267,7 @@ static void print_paths(FILE *page) {
   static const double jump[] = {0, .05, .3};
   for (int j = 0; j < 3; j++) {
     bench_print(page, "\n## Load paths of %d steps, elastic, W dense, 1e-8", load_steps);
-    if (j) bench_print(page, ", the load up to %g of the way before or behind", jump[j]);
+    if (j) bench_print(page, ", the load up to %g of the path ahead or behind", jump[j]);
     bench_print(page,
                 "\n\n| d | candidates | seed | cold, ms a step | warm | warm over cold | "
                 "iterations | factorisations | solved |\n|---|---|---|---|---|---|---|---|---|\n");

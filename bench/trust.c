@@ -1,14 +1,14 @@
 /*
- * trust.c: what dls_contact_sensitivity says of an answer beside its true error, over files,
+ * trust.c: compares the estimate of dls_contact_sensitivity with the true error, over files,
  * elastic blocks and cubes, and the contact problems of data/failures. Writes trust.md.
  *
  * r*: auto with tol = 1e-13. Answers r to judge: sweeps of Gauss-Seidel and ADMM, stopped at 1e-4,
  * 1e-5, 1e-6 and 1e-8. Predicted: sensitivity.error of r alone, without r*. Observed: |r - r*| /
- * |r*|. The row of a scene is the r whose prediction is the least in comparison, the most
+ * |r*|. The row of a scene is the r with the smallest prediction over observation, the most
  * optimistic one.
  *
  * Besides, 11,000 random problems, W = A A^T / m + shift I with shift 0.1 or 0.001, d = 1, 2, 3, up
- * to 60 rows, even seeds: sweeps or ADMM at 1e-4 to 1e-8 beside an r* that is proved.
+ * to 60 rows, even seeds: sweeps or ADMM at 1e-4 to 1e-8 compared with a proved r*.
  */
 #include <dirent.h>
 #include <math.h>

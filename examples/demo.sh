@@ -24,7 +24,7 @@ for scene in fig3 fig4; do
       weighted=
       [ $reactions = concentrated ] || weighted=--weighted
       # 1: not solved, which is what the error of the penalty method and the paper's stop amount to
-      "$build/delassus" scene jean-$scene --method $method $weighted --out "$out" \
+      "$build/delassus" scene jean-$scene --method $method $weighted --tol 1e-14 --out "$out" \
         --reference data/jean-1988/${scene}_$reactions.csv > "$out/table.txt" || [ $? -eq 1 ]
       case $method in jean | lemke)
         echo "$line"

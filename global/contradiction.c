@@ -1,16 +1,15 @@
 /*
- * contradiction.c: proves that joints ask for what no motion can do.
+ * contradiction.c: proves that joints ask for something that no motion can do.
  *
  * A redundant joint j is a combination of others: K b = 0 for a b of multipliers alone, b_j = 1.
  *
- *   (GC1)  x of a step holds all other joints. Where j does not hold, too: A y = column j of K,
- *          b := e_j - y, without what y has at positions
+ *   (GC1)  x of a step holds all other joints. If j does not hold, A y = column j of K,
+ *          b := e_j - y, with 0 in place of y at positions
  *   (GC2)  Check by the user's numbers: |K b|_i <= 100 eps sum_k |K_ik|; b^T f more than 1e-10
  *          |b|^T |f|. H^T b = 0.
  *
- * Then b^T (f + H r) > 0 for all r, but b^T K x = 0: a proof as those of motion.c, and as there K
- * must be symmetric.
- * Cost: a product with K, and where a joint does not hold a solve and three products.
+ * Then b^T (f + H r) > 0 for all r, but b^T K x = 0. As in motion.c, K must be symmetric.
+ * Cost: a product with K; if a joint does not hold, also a solve and three products.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +18,7 @@
 
 static const double rounding = 1e-12; /* of b: that of the solve */
 static const double slack = 100 * DBL_EPSILON;
-static const double certain = 1e-10; /* of what is added up: more than rounding */
+static const double certain = 1e-10; /* of the sum of absolute terms: more than rounding */
 
 /* Returns the redundant joint that holds least, -1 if all hold. */
 static int contradiction_find(const dls_global *work, double *Kx, double *a) {

@@ -1,9 +1,9 @@
 /*
- * estimate.c: the cost of a problem on K, foreseen from the analysis of A.
+ * estimate.c: estimates the cost of a problem on K from the analysis of A.
  *
- * An iteration reads the factor twice, forward and backward, the vectors of n and m some times, and
- * the history of the acceleration three times. It does two flops for each number that it reads, so
- * that the memory sets its speed; a factorisation does thousands, and runs at the speed of dgemm.
+ * An iteration reads the factor twice (forward, backward), the vectors of n and m some times, and
+ * the history of the acceleration three times. It does two flops per number read, so that memory
+ * limits its speed. A factorisation does thousands, and runs at the speed of dgemm.
  * LU on the pattern of A + A^T: twice the flops and entries of a Cholesky factor.
  */
 #include "global_internal.h"

@@ -1,17 +1,17 @@
 /*
  * fixed.c: the fixed point of s = mu |u_t| by convex problems, d = 2 and 3.
  *
- *   (GF1)  x, r := the convex problem with gaps g + s (interior.c), springs of 1e-12 of K that have
- *          no force at the x before
- *   (GF2)  Newton steps from there (newton.c), with springs of 1e-10 where the states leave a
- *          motion free: a block whose contacts all slip, to both sides
+ *   (GF1)  x, r := the convex problem with gaps g + s (interior.c), and springs of 1e-12 of K that
+ *          have no force at the previous x
+ *   (GF2)  Newton steps from there (newton.c), with springs of 1e-10 if the states leave a motion
+ *          free: a block whose contacts all slip, to both sides
  *   (GF3)  s := mu |H_t^T x + g_t|
  *
- * A fixed point of (GF1), (GF3) meets the law. It depends on no start, so that it helps where the
- * splitting converges slowly or has run away. Source: Acary, Cadoux, Lemarechal and Malick, ZAMM
- * 91, 2011, 155-175, who prove existence that way. Cost: 10 to 40 factorisations of (GF1), 3 to 12
- * of (GF2), at most 10 times. What can fail: (GF3) may cycle. (GF1) gives contacts without force
- * and gap to 1e-6 or so, and Newton steps from there may cycle, too.
+ * A fixed point of (GF1), (GF3) meets the law. It depends on no start. That helps if the splitting
+ * converges slowly or has run away. Source: Acary, Cadoux, Lemarechal and Malick, ZAMM 91, 2011,
+ * 155-175, who prove existence by it. Cost: 10 to 40 factorisations of (GF1), 3 to 12 of (GF2), at
+ * most 10 times. What can fail: (GF3) may cycle. (GF1) computes contacts without force and gap to
+ * about 1e-6. Newton steps from there may cycle, too.
  */
 #include <stdlib.h>
 #include <string.h>

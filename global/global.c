@@ -1,10 +1,10 @@
 /*
- * global.c: the doors of the contact problem on K: a copy of the model in round variables, new
- * values, a solve, the motion of a proof.
+ * global.c: the public functions of the contact problem on K: a copy of the model in round
+ * variables, new values, a solve, the motion of a proof.
  *
- * K is copied with its repeated entries added up and its zeros left out: of a symmetric K the lower
+ * The copy of K has its repeated entries added up and no zeros; of a symmetric K only the lower
  * triangle. The solvers work on K without redundant joints (linear/redundant.c), the certificate on
- * all of K. Memory: that, H twice, the system (system.c), 20 vectors. Fails: no memory.
+ * all of K. Memory: this copy, H twice, the system (system.c), 20 vectors. Fails: no memory.
  */
 #include <limits.h>
 #include <stdint.h>
@@ -17,7 +17,7 @@ enum { most_iterations = 5000, window = 10 };
 
 /* ---- the model ------------------------------------------------------------------------------- */
 
-/* What is made of a model. */
+/* The matrices made from a model. */
 typedef struct matrices {
   dlsi_columns K, H;
   dlsi_operator operator;
@@ -103,7 +103,7 @@ static dls_model matrices_view(const matrices *of, dls_factorization factorizati
                      .Ks = dlsi_columns_view(&of->K)};
 }
 
-/* Makes H round by the weights. */
+/* Scales H to round variables by the weights. */
 static void matrices_make_round(matrices *to, int d) {
   for (int k = 0; k < to->H.cols; k++) {
     to->root[k] = sqrt(to->w[2 * (k / d) + (k % d > 0)]);
@@ -112,7 +112,7 @@ static void matrices_make_round(matrices *to, int d) {
   }
 }
 
-/* Returns the body but its model, which is a view of K. */
+/* Returns the body without its model, which is a view of K. */
 static dlsi_body matrices_body(const matrices *of, int d) {
   const int n = of->K.cols;
   return (dlsi_body){.n = n,
@@ -127,7 +127,7 @@ static dlsi_body matrices_body(const matrices *of, int d) {
                      .pieces = of->pieces};
 }
 
-/* Finds connected bodies and joints, and takes the redundant ones apart. */
+/* Finds connected bodies and joints, and separates the redundant joints. */
 static dls_status matrices_find_joints(matrices *to, const dls_model *K, dls_error *error) {
   int *joint = to->part + K->n, *piece = joint + K->n;
   const dls_sparse Ht = dlsi_columns_view(&to->operator.Ht);
@@ -248,7 +248,7 @@ static dls_status matrices_create_on(matrices *to, const dls_model *model, const
   return DLS_OK;
 }
 
-/* body: NULL, or K is elsewhere; solver: NULL, or in the place of a factor. */
+/* body: NULL, or K is elsewhere; solver: NULL, or replaces the factor. */
 static dls_status global_create(dls_global **out, const dls_model *model, const dlsi_body *body,
                                 const dls_global_solver *solver, dls_error *error) {
   matrices of;
@@ -407,7 +407,7 @@ static dls_status solve_check(const dls_global *work, const double *f, const dou
   return status ? status : dlsi_check_vector("x", x, n, error);
 }
 
-/* Takes loads, gaps, friction and the start in round variables. */
+/* Takes loads, gaps, friction and the start; converts them to round variables. */
 static void solve_begin(dls_global *work, const double *f, const double *g, const double *mu,
                         const double *r, const double *x) {
   const size_t d = (size_t)work->d, m = (size_t)work->m;

@@ -23,7 +23,7 @@
 
 typedef struct dlsi_system {
   int n, d;
-  int symmetric, definite;    /* definite: 0 once a pivot has shown that A is not */
+  int symmetric, definite;    /* definite: 0 after a pivot has shown that A is not */
   size_t entries, of_K, of_H; /* entries = of_K + of_H + n, in this order, of one triangle where K
                                  is symmetric */
   int *row, *col;             /* counted from 1: entries */
@@ -39,7 +39,7 @@ typedef struct dlsi_system {
   dlsi_general general;
 } dlsi_system;
 
-/* Analyses. K: sparse, repeated entries added up; of a symmetric one the lower triangle alone. H: n
+/* Analyses. K: sparse, repeated entries added up; of a symmetric K only the lower triangle. H: n
  * x m, d columns a contact. joint: 1 of a multiplier, n; NULL: there is none. The values are read,
  * and K.Ks.x and H are borrowed. *out = NULL on error: DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H, int d,
@@ -53,13 +53,13 @@ dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls
 void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H,
                         const int *joint);
 
-/* Factors A. Where A is singular, or a pivot is rounding, E holds what nothing else holds: hold :=
- * 1e-8. The caller adds E x_old to the right side, so that a fixed point does not know E. Where A
- * is not definite, by LU. DLS_E_SINGULAR, DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
+/* Factors A. If A is singular, or a pivot is rounding, hold := 1e-8: then E holds what nothing else
+ * holds. The caller adds E x_old to the right side, so that a fixed point does not depend on E. LU
+ * if A is not definite. DLS_E_SINGULAR, DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
 dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error);
 
-/* Factors K + H M H^T + E in place of A, M symmetric with a block for each contact: 4 numbers, nn,
- * tt, ss, ts; other couplings are 0. DLS_E_SINGULAR where that is not definite, DLS_E_MEMORY. */
+/* Factors K + H M H^T + E in place of A. M: symmetric, a block for each contact: 4 numbers, nn, tt,
+ * ss, ts; other couplings are 0. DLS_E_SINGULAR if that is not definite, DLS_E_MEMORY. */
 dls_status dlsi_system_factor_weighted(dlsi_system *work, const double *M, dls_error *error);
 
 /* x := A^-1 x. DLS_E_MEMORY. */
@@ -75,7 +75,7 @@ struct dls_global {
   int d, nc, nodes;
   int n, m;
   dls_model whole; /* a view of K: n, operator_kind DLS_STIFFNESS_SPARSE, factorization, Ks */
-  dls_model model; /* the same without redundant joints: all but the certificate work on it */
+  dls_model model; /* whole without redundant joints: for all except the certificate */
   dlsi_columns K;
   dlsi_apart apart;
   dlsi_operator operator; /* H^T as it is, P, mu of the model */
@@ -84,23 +84,23 @@ struct dls_global {
   double *w, *root;         /* 2 nc; m: D^1/2 */
   int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
-  dls_global_solver solver; /* in the place of system where it has functions */
+  dls_global_solver solver; /* in place of system, if it has functions */
   double *R;                /* m: rho D^-1, for the solver */
-  double accuracy;          /* of the solver's next solve */
+  double accuracy;          /* asked of the solver's next solve */
   int moves;                /* 1 if `motion` proves that there is no solution */
   int mover;                /* its body, -1: joints */
   double *motion;           /* n */
 
-  /* of the solve under way */
+  /* of the current solve */
   const dls_limits *limits;
   double begun;
   int iterations, factorisations;
-  const double *load;      /* n: f as the caller has it; NULL: 0 */
+  const double *load;      /* n: the caller's f; NULL: 0 */
   double *f;               /* n: 0 in redundant joints */
   double *gap, *mu, *bend; /* g of the contacts, m; mu and mu' of the contacts, nc */
   double *g;               /* D^-1/2 gap: m */
   double rho;
-  double *q, *r, *z;       /* m: state; reactions; rho times the law's positions, before */
+  double *q, *r, *z;       /* m: state; reactions; rho times the law's last positions */
   double *p, *before;      /* m: r - rho u; scratch */
   int *state;              /* nc: dls_contact_state, -1: not known */
   double *x, *y;           /* n: unknowns; right side and solution */
@@ -116,8 +116,8 @@ struct dls_global {
 
 /* ---- global.c -------------------------------------------------------------------------------- */
 
-/* *out := a problem whose K is elsewhere: of `model` d, n, nodes, factorization, HN, HT are read.
- * body: its multiply, data, w, part, parts, borrowed. solver: copied. */
+/* *out := a problem whose K is elsewhere. Reads d, n, nodes, factorization, HN, HT of `model`.
+ * body: its multiply, data, w, part, parts are borrowed. solver: copied. */
 dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const dlsi_body *body,
                                  const dls_global_solver *solver, dls_error *error);
 
@@ -127,17 +127,17 @@ dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const
 void dlsi_global_look(const dls_global *work, const double *x, double *u);
 void dlsi_global_push(const dls_global *work, const double *r, double *v);
 
-/* Measures the pair (work->x, r), r round, and keeps it if it is the best one. Returns DLS_OK if it
- * is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
+/* Measures the pair (work->x, r), r round, and keeps it if it is the best so far. Returns DLS_OK if
+ * it is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
 
 /* Call a host's function in the environment of the host (base.h), as dls_global_solver says. Return
- * its answer as a status of the solve, and fill *error where the host has left it. */
+ * its answer as a status of the solve. Fill *error if the host has not. */
 dls_status dlsi_host_prepare(const dls_global_solver *solver, const double *R, dls_error *error);
 dls_status dlsi_host_solve(const dls_global_solver *solver, const double *b, double *x,
                            double accuracy, dls_error *error);
 
-/* Asks a host's solver for solves that suit a relative change of q of this size, NaN for 0 / 0. */
+/* Asks a host's solver for an accuracy that suits this relative change of q, NaN for 0 / 0. */
 void dlsi_global_ask(dls_global *work, double change);
 
 /* Factors A for work->rho, and counts. */
@@ -150,37 +150,37 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
 
 /* ---- splitting.c ----------------------------------------------------------------------------- */
 
-/* Solves from work->r, work->x in at most `most` iterations; the best pair is in work->best_r,
- * best_x. Returns a status of a solve. */
+/* Solves from work->r, work->x in at most `most` iterations. work->best_r, best_x receive the best
+ * pair. Returns a status of a solve. */
 dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
 
 /* ---- newton.c -------------------------------------------------------------------------------- */
 
-/* Takes Newton steps from work->x and r (round, m) and measures each. hold: of E where the states
- * leave a motion free; 0: ends there. Returns as dlsi_global_measure, or an error; x is as before,
- * r and u are spoilt. */
+/* Takes Newton steps from work->x and r (round, m) and measures each. hold: factor of E if the
+ * states leave a motion free; 0: the steps end there. Returns as dlsi_global_measure, or an error.
+ * Keeps x, spoils r and u. */
 dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_error *error);
 
 /* ---- interior.c ------------------------------------------------------------------------------ */
 
-/* x, r := the solution of the convex problem (GI1) with gaps g (m; NULL: 0) and springs hold E that
- * have no force at `old` (n; NULL: 0), from points of `start` times the size of f and g. All round;
- * x: n; r: m, NULL where not wanted. DLS_OK, DLS_STALLED with the last point, DLS_E_MEMORY,
+/* x, r := the solution of the convex problem (GI1) with gaps g (m; NULL: 0) and springs hold E
+ * without force at `old` (n; NULL: 0). Starts from points of `start` times the size of f and g. All
+ * round; x: n; r: m, NULL if not wanted. DLS_OK, DLS_STALLED with the last point, DLS_E_MEMORY,
  * DLS_CANCELLED, DLS_TIME_LIMIT. */
 dls_status dlsi_global_interior(dls_global *work, double hold, double start, const double *old,
                                 const double *g, double *x, double *r, dls_error *error);
 
 /* ---- fixed.c --------------------------------------------------------------------------------- */
 
-/* Solves by convex problems, from nothing. Returns as dlsi_global_measure, or an error; x is as
- * before, r and u are spoilt. */
+/* Solves by convex problems, from zero. Returns as dlsi_global_measure, or an error. Keeps x,
+ * spoils r and u. */
 dls_status dlsi_global_fixed(dls_global *work, dls_error *error);
 
 /* ---- lagrangian.c ---------------------------------------------------------------------------- */
 
 /* Takes up to `most` steps of the augmented Lagrangian from work->x and the reactions r (round, m),
- * and measures. Returns as dlsi_global_measure, or an error; x, u, before are spoilt, and A is no
- * more the one of work->rho. */
+ * and measures. Returns as dlsi_global_measure, or an error. Spoils x, u, before. Afterwards A is
+ * not the one of work->rho. */
 dls_status dlsi_global_lagrangian(dls_global *work, const double *r, int most, dls_error *error);
 
 /* ---- motion.c -------------------------------------------------------------------------------- */
@@ -192,7 +192,7 @@ dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error);
 /* ---- contradiction.c ------------------------------------------------------------------------- */
 
 /* Checks after a step whether redundant joints hold, too. *proved := 1: they contradict others, and
- * work->motion shows it. DLS_E_MEMORY. */
+ * work->motion is the proof. DLS_E_MEMORY. */
 dls_status dlsi_global_contradict(dls_global *work, int *proved, dls_error *error);
 
 #endif

@@ -4,10 +4,10 @@
  *   (GI1)  min x^T K x / 2 + hold x^T E x / 2 - f^T x,  H^T x + g in the dual cones:
  *          (K + hold E) x = f + H r,  z = H^T x + g,  r in the friction cones, r.z = 0
  *
- *   or x - old in the place of the second x. That is the law if g holds s = mu |u_t|. Without g the
+ *   or x - old in place of the second x. That is the law if g holds s = mu |u_t|. Without g the
  *   loads of joints are 0, too. E is that of system.c, 0 at multipliers. Scales S make the cones
- *   Lorentz cones: r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. In what
- *   follows z, g and H^T have S in them.
+ *   Lorentz cones: r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. Below,
+ *   z, g and H^T contain S.
  *
  *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, with
  *          v = l \ rc and e = z - H^T x - g:
@@ -15,14 +15,14 @@
  *          dz = H^T dx - e,  dp = P^-1 v - P^-2 dz
  *   (GI3)  affine:   rc = - l o l, largest step a; sigma = max((1 - a)^3, 1e-3)
  *          combined: rc = sigma tau e - l o l - (P dp) o (P^-1 dz), dp and dz the affine ones,
- *          tau = p.z / nc. Where its step is below .1: without the last term, sigma >= .5
+ *          tau = p.z / nc. If its step is below .1: without the last term, sigma >= .5
  *   (GI4)  x, p, z += .99 times the largest step, at most 1
- *   (GI5)  ends where p.z is 1e-14 of f^T x or of p.z at first, or after 60 iterations
+ *   (GI5)  ends when p.z is 1e-14 of f^T x or of the first p.z, or after 60 iterations
  *
- * Source: as vi/rest.c (AR7)-(AR9), which has the same on W.
+ * Source: as vi/rest.c (AR7)-(AR9), the same method on W.
  * Cost: an analysis, 10 to 40 factorisations of a matrix with the entries of K + H R H^T, three
- * solves each. Fails: a matrix that is singular to rounding, steps that become
- * short; DLS_STALLED then, and the last x is kept.
+ * solves each. Fails: a matrix that is singular to rounding, or steps that become short. Then it
+ * returns DLS_STALLED and keeps the last x.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -164,7 +164,7 @@ static void interior_square(const interior *I, int c, const double *x, double *y
   dlsi_cone_scale(d, I->eta[c], I->w + d * c, 1, v, y);
 }
 
-/* Factors the matrix of (GI2). DLS_E_SINGULAR where the point has left the cones or a pivot is not
+/* Factors the matrix of (GI2). DLS_E_SINGULAR if the point has left the cones or a pivot is not
  * positive. */
 static dls_status interior_factor(interior *I, dls_error *error) {
   dls_global *work = I->global;
@@ -269,7 +269,7 @@ static void interior_begin(interior *I, double start) {
   }
 }
 
-/* (GI2)-(GI5) DLS_STALLED where p.z has not become as small. */
+/* (GI2)-(GI5) DLS_STALLED if p.z has not become that small. */
 static dls_status interior_run(interior *I, dls_error *error) {
   dls_global *work = I->global;
   const int n = work->n, m = work->m;

@@ -1,33 +1,32 @@
 /*
- * lagrangian.c: the augmented Lagrangian on K, d = 2 and 3, for contacts that move by far more than
- * the local compliance: slender bodies.
+ * lagrangian.c: the augmented Lagrangian on K, d = 2 and 3, for slender bodies: their contacts move
+ * by far more than the local compliance.
  *
- * In round variables, with multipliers r and bounds R = mu max(0, r_n) of the step before:
+ * In round variables, with multipliers r and bounds R = mu max(0, r_n) of the previous step:
  *
  *   (AL1)  r+(x): r+_n = max(q_n, 0), r+_t = q_t put on the disc |.| <= R, q = r - rho u(x)
  *   (AL2)  x := argmin of  x^T K x / 2 - f^T x + (|r+_n|^2 + psi(q_t)) / (2 rho),
  *          psi = |q_t|^2 inside of the disc, 2 R |q_t| - R^2 outside
  *   (AL3)  r := r+(x), R := mu max(0, r_n), rho := 3 rho up to 100, and again until (x, r) is
- *          solved. rho is .03 of the local stiffness at first: soft contacts let the edges of what
- *          touches move far in a step.
+ *          solved. rho starts at .03 of the local stiffness: soft contacts let edges move far
+ *          in one step.
  *
- * (AL2) is convex, with the gradient K x - f - H r+. Newton steps with a line search come to its
- * end from any start:
+ * (AL2) is convex, with the gradient K x - f - H r+. Newton steps with a line search solve it from
+ * any start:
  *
  *   (AL4)  (K + H M H^T + E) dx = -gradient, M = -dr+/du: rho where q_n > 0, else 0, for the
  *          normal; rho inside of the disc, rho R/|q_t| (1 - t t^T), t = q_t/|q_t|, outside
  *   (AL5)  x := x + t dx, t <= 1 where the slope along dx vanishes; the slope grows with t, and
- *          costs products with H alone
- *   (AL6)  Ends where three steps go down forever: nothing holds the body, or not with these
- *          bounds.
+ *          costs only products with H
+ *   (AL6)  Ends if three steps go down forever: nothing holds the body, or not with these bounds.
  *
- * A is factored where M has changed: in most steps until the states stand still. Open contacts have
- * no spring in (AL4) and move at once, where the splitting needs as many iterations as they are
- * soft: that is what it is for.
+ * A is factored when M has changed: in most steps until the states stand still. Open contacts have
+ * no spring in (AL4) and move at once. The splitting needs the more iterations the softer they are:
+ * this method is for that case.
  *
- * Source: Simo and Laursen, Comput. Struct. 42, 1992, 97-116, but for the lagged bounds, which keep
- * (AL4) symmetric; vi/augmented.c is the same on W. Ends also after 200 steps, or where three
- * multipliers in a row have not halved the residual. Needs K symmetric and A definite.
+ * Source: Simo and Laursen, Comput. Struct. 42, 1992, 97-116. Unlike theirs the bounds are lagged,
+ * which keeps (AL4) symmetric; vi/augmented.c is the same on W. Also ends after 200 steps, or when
+ * three multipliers in a row have not halved the residual. Needs K symmetric and A definite.
  * Cost: a factor a step, 40 to 60 for strips of 1,000 elements, 120 for 3,000.
  */
 #include <stdlib.h>
@@ -38,7 +37,7 @@
 enum { most_steps = 200, patience = 3, most_cuts = 60 };
 
 static const double first_rho = 0.03, growth = 3, most_rho = 100; /* (AL3) */
-static const double enough = 0.1;   /* (AL2) ends where |gradient| is this part of tol .. */
+static const double enough = 0.1;   /* (AL2) ends at |gradient| below this fraction of tol .. */
 static const double inexact = 0.01; /* .. or of the last residual */
 static const double flat = 1e-3;    /* (AL5): slope over the one at t = 0 */
 static const double far = 1e3;      /* (AL6) */
@@ -55,7 +54,7 @@ typedef struct lagrangian {
   double *du;                  /* m */
 } lagrangian;
 
-/* (AL1), and (AL4) where M is not NULL. */
+/* (AL1), and (AL4) if M is not NULL. */
 static void lagrangian_react(const lagrangian *L, const double *u, double *plus, double *M) {
   const dls_global *work = L->global;
   const int d = work->d;
@@ -167,7 +166,7 @@ static dls_status lagrangian_tell(const lagrangian *L) {
                                    .r = work->best_r});
 }
 
-/* (AL2) to the part `goal`. */
+/* (AL2) until the gradient is at most `goal`. */
 static dls_status lagrangian_minimise(lagrangian *L, double goal, dls_error *error) {
   dls_global *work = L->global;
   while (L->steps < L->most && L->runs < patience) {

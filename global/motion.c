@@ -6,21 +6,21 @@
  *   (GM1)  K b = 0,  b^T f > 0,  (H^T b)_n >= mu |(H^T b)_t| at every contact
  *
  * has b^T (f + H r) > 0 for all r of the friction cones, but b^T K x = 0: there is no equilibrium.
- * By Farkas's lemma there is such a b wherever no r of the cones balances f, up to closure. Where K
- * is not symmetric nothing is tried: b^T K = 0 is what would count.
+ * By Farkas's lemma there is such a b if no r of the cones balances f, up to closure. The proof
+ * needs b^T K = 0: if K is not symmetric, nothing is tried.
  *
  *   (GM2)  b := the solution x of the convex problem without gaps, with springs of 1e-10 of K
- *          (interior.c). Where bodies are held, it is elastic. Else it is 1e10 times as large: of
- *          all rigid motions in the cones the one that is nearest to E^-1 f. Goes on if the springs
- *          of some body hold more than a hundredth of its energy. The interior point starts at the
- *          size of f, and where that does not end, at 1e10 times that: contacts that leave many
- *          motions free, in 3D above all, move by so much.
+ *          (interior.c). If the bodies are held, it is elastic. Else it is 1e10 times as large: of
+ *          all rigid motions in the cones the nearest to E^-1 f. Goes on if the springs of some
+ *          body hold more than a hundredth of its energy. The interior point starts at the size of
+ *          f; if that does not end, at 1e10 times that: contacts that leave many motions free, in
+ *          3D above all, move by so much.
  *   (GM3)  Bodies that hardly move stand still, b := 0. Then three times
  *            | K + 1e-10 E  -G    | |db|     | K b   |        b := b + db
  *            | G^T          delta | |y | = - | G^T b |
  *          G: the rows that hold with equality: (H^T b)_c = 0 where it is small, (H^T b)_n = mu
- *          |(H^T b)_t| where the difference is. Each turn takes the elastic part away, and has less
- *          rounding than the one before. The rows of K are scaled by body: K b = 0 stays the same,
+ *          |(H^T b)_t| where the difference is. Each turn removes the elastic part, and has less
+ *          rounding than the turn before. The rows of K are scaled by body: K b = 0 stays the same,
  *          and the rounding of a stiff body that moves much disturbs no soft one that moves little.
  *          "Hardly" and "small" are 1e-7, 1e-6, .. 1e-2 of the largest b, until a b proves; after
  *          the first turn "hardly" is 1e-10.
@@ -30,15 +30,15 @@
  *            b^T f    more than 1e-10 |b|^T |f|, |b| the largest of each body
  *            cones    within 100 eps of |H|^T |b| of the contact, |b| the largest of each body
  *
- * Why eps: an entry of K is rounded when it is stored, by eps / 2 of it, and by as much again when
- * it is assembled. Then b^T K b changes by up to eps |b|^T |K| |b|: below, a K within the rounding
- * of the user's holds nothing against b; above, none does. The softest bending of a strip of L x 1
- * squares clamped at one end has 1491 eps for L = 1000, 93 for 2000, 2.3 for 5000. The forces are a
- * second look: by them alone the strip of 1000 would pass.
+ * Why eps: storing an entry of K rounds it by eps / 2 of it, assembling it by as much again. Then
+ * b^T K b changes by up to eps |b|^T |K| |b|. Below this limit, some K within the user's rounding
+ * has no energy in b; above it, none. The softest bending of a strip of L x 1 squares clamped at
+ * one end has 1491 eps for L = 1000, 93 for 2000, 2.3 for 5000. The forces are a second check: by
+ * the forces alone the strip of 1000 would pass.
  *
- * Cost: an interior point, 3 to 18 LUs. b depends on f, K, H, mu alone: one try a solve.
- * What can fail: forces that balance on the boundary of the cones alone, or a structure so slender
- * that its bending is as soft as the springs of (GM2). Nothing is proved then.
+ * Cost: an interior point, 3 to 18 LUs. b depends only on f, K, H, mu: one try per solve.
+ * What can fail: forces that balance only on the boundary of the cones, or a structure so slender
+ * that its bending is as soft as the springs of (GM2). Then nothing is proved.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +57,7 @@ static const double certain = 1e-10; /* of |b|^T |f|: more than what the roundin
 
 typedef struct drift {
   dls_global *global;
-  double small;        /* what counts as 0 over the largest motion */
+  double small;        /* fraction of the largest motion that counts as 0 */
   double *sums;        /* 2 n */
   double scale;        /* the largest size of drift_misses */
   long double *energy; /* 2 parts */
@@ -73,7 +73,7 @@ static int drift_is_force(const drift *D, int j) {
   return D->global->body.joint && D->global->body.joint[j];
 }
 
-/* h := (H^T b)_c; a: relative to what it rounds: |H|^T times the largest motion of the body. */
+/* h := (H^T b)_c; a: what it rounds relative to, |H|^T times the largest motion of the body. */
 static void drift_at(const drift *D, int c, double *h, double *a) {
   const dlsi_columns *H = &D->global->H;
   const int d = D->global->d;
@@ -86,8 +86,8 @@ static void drift_at(const drift *D, int c, double *h, double *a) {
     }
 }
 
-/* Returns by how much the cone of contact c is missed: mu |h_t| - h_n, or the larger of -h_n and
- * |h_t| of a bonded one; *size: the numbers that it is computed from. */
+/* Returns by how much contact c misses its cone: mu |h_t| - h_n, or the larger of -h_n and |h_t| if
+ * bonded; *size: the size of the numbers that give it. */
 static double drift_misses(const drift *D, int c, double *h, double *size) {
   const double mu = D->global->bend[c];
   double a[3];
@@ -254,7 +254,7 @@ static int drift_is_rigid(const drift *D) {
   return 0;
 }
 
-/* Takes x of (GM2) for b and tries to prove by it, with D->small. */
+/* (GM3), (GM4) Takes x of (GM2) for b and tries to prove by it, with D->small. */
 static dls_status drift_try(drift *D, int *proved, dls_error *error) {
   dls_global *work = D->global;
   dls_error why = {0};
@@ -275,7 +275,7 @@ static dls_status drift_try(drift *D, int *proved, dls_error *error) {
   return DLS_OK;
 }
 
-/* (GM2)-(GM4) from points of this size. DLS_STALLED where that has not ended and proves nothing. */
+/* (GM2)-(GM4) from points of this size. DLS_STALLED if that has not ended and proves nothing. */
 static dls_status drift_from(drift *D, double start, int *proved, dls_error *error) {
   const dls_status ended =
       dlsi_global_interior(D->global, soft, start, NULL, NULL, D->x, NULL, error);

@@ -2,7 +2,7 @@
  * newton.c: Newton steps on K itself, d = 2 and 3.
  *
  * In round variables, with v = r_n - u_n, tau = r_t - u_t, R = mu max(0, v), the law is Alart and
- * Curnier's equation of vi/newton.c, whose branches say which part of a new r is known (t = tau /
+ * Curnier's equation of vi/newton.c. Its branches decide which part of a new r is known (t = tau /
  * |tau|, in 3D p = t turned by 90 degrees):
  *
  *   (GN1)  free    v <= 0        r0 = 0                              nothing unknown
@@ -16,13 +16,13 @@
  *          F the directions dr, G the tests, L = l on the rows of b. LU.
  *   (GN3)  x := x + dx, r := r0 + F dy
  *
- * delta = 1e-9 of the local compliance, which is 1 in round variables, keeps the matrix regular
- * where contacts are redundant. E is that of the splitting. Both are proximal terms: right sides
- * are residuals, so that a fixed point knows neither. Nor does it know that the factors of the step
- * before serve again while no state has changed and they still gain a digit: a chord method.
+ * delta = 1e-9 of the local compliance, which is 1 in round variables, keeps the matrix regular if
+ * contacts are redundant. E is that of the splitting. Both are proximal terms: the right sides are
+ * residuals, so that a fixed point depends on neither. For the same reason the factors of the
+ * previous step serve again while no state has changed and a step gains a digit: a chord method.
  *
- * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, or three steps
- * in a row that did not halve the smallest measure, or where the matrix is singular.
+ * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, after three
+ * steps in a row that did not halve the smallest measure, or if the matrix is singular.
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */
 #include <stdlib.h>
@@ -33,8 +33,8 @@
 enum { most_steps = 12, patience = 3 };
 
 static const double delta = 1e-9;
-static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
-static const double stale = 0.1;        /* gain of a step from which on factors are made again */
+static const double least_beta = 1e-10; /* R / |tau|: keeps l finite if R vanishes */
+static const double stale = 0.1;        /* ratio of residuals above which factors are renewed */
 
 /* A contact under (GN1). */
 typedef struct branch {
@@ -55,7 +55,7 @@ typedef struct newton {
   double hold;       /* E of (GN2) is hold E */
 } newton;
 
-/* (GN1) Sets the branches; returns 1 if the unknowns are others than before. */
+/* (GN1) Sets the branches; returns 1 if the unknowns have changed. */
 static int newton_sort(newton *N, const double *r) {
   const dls_global *work = N->global;
   const int d = work->d;
@@ -93,7 +93,7 @@ static int newton_sort(newton *N, const double *r) {
   return changed;
 }
 
-/* e := direction j of (GN1), as the reactions take it (test = 0) or as positions are tested. */
+/* e := direction j of (GN1): of the reactions (test = 0), or of the test of positions. */
 static void branch_vector(int d, double mu, const branch *b, int j, int test, double *e) {
   e[0] = e[1] = e[2] = 0;
   if (b->state == DLS_STICK || j == 0) e[j] = 1;

@@ -1,22 +1,22 @@
 /*
  * pair.c: what the splitting, Newton's steps and proofs share: products with H, one step, and the
- * measure of a pair (x, r), which keeps the best one.
+ * measure of a pair (x, r), which keeps the best pair.
  *
- * Of two pairs the better one has the smaller dlsi_body_badness: floors count, so that a pair that
- * has run away is never the best one because rounding hides its residual. A pair that is solved
- * ends the solve, and is the best one whatever its floors.
+ * The better of two pairs has the smaller dlsi_body_badness. It includes the rounding levels:
+ * otherwise a pair that has run away could win, as rounding hides its residual. A pair that is
+ * solved ends the solve, and is the best pair whatever its rounding levels.
  */
 #include <string.h>
 
 #include "global_internal.h"
 
-/* of a host's solve, over the change that it is for, and over tol at last: the residual of a solve
- * is the equilibrium of the pair */
+/* accuracy of a host's solve over the change of q, at the end over tol: the residual of a solve is
+ * the equilibrium of the pair */
 static const double share = 0.01;
 
 void dlsi_global_ask(dls_global *work, double change) {
   const double most = change > 1 ? 1 : change, tol = work->limits->tol;
-  work->accuracy = share * (most > tol ? most : tol); /* tol where nothing is there to change */
+  work->accuracy = share * (most > tol ? most : tol); /* tol if nothing changes */
 }
 
 /* Makes the answer of a host's function a status; error: what it was given. */

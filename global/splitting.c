@@ -10,38 +10,38 @@
  *   (GL4)  q := q + a (p - q),  p = r - rho u;  a = 1.6 with (GL5), 1 without
  *
  * A fixed point has u = z, hence K x = f + H r. The pair (x, r(p)) is measured. K alone is never
- * inverted: a body that contact alone holds is no special case. E is 0 but where nothing holds a
+ * inverted: a body that only contact holds is no special case. E is 0 unless nothing holds a
  * motion (system.c).
  *
  *   (GL5)  The next q by Anderson's acceleration of (GL4), 10 steps, unless the smallest residual
  *          has not halved between the last two looks at rho.
- *   (GL6)  Where an accelerated q has more than twice the |p - q| of the q before, the step is
- *          taken back: q := (GL4) of the q before, and the history is forgotten.
- *   (GL7)  Every 20 iterations, later after half of all more, look at rho, with turn = sqrt(|p - q|
- *          / |rho (z - z')|), z' the z before, between .1 and 10:
+ *   (GL6)  If an accelerated q has more than twice the |p - q| of the previous q, the step is
+ *          taken back: q := (GL4) of the previous q, and the history is forgotten.
+ *   (GL7)  Every 20 iterations, later after k/2 more, look at rho, with turn = sqrt(|p - q|
+ *          / |rho (z - z')|), z' the previous z, between .1 and 10:
  *            the residual is a hundredth              rho stays: a factor costs 5 to 15 iterations
  *            turn outside of 1/sqrt(5) .. sqrt(5)     rho := rho turn
  *            else, and the residual has halved        rho stays
  *            else, two times of three                 rho stays
  *            else                                     rho / 10, 10 rho, rho / 100, .. in turn
- *          A change keeps r and z, and costs a factorisation. rho is .35 of the local stiffness at
- *          first: 1/4 suits contacts that open, 1 contacts that stay.
- *   (GL8)  Newton steps (newton.c) end the iteration where no state has changed between two
- *          measures and the splitting would need more than 200 iterations yet. That is what an LU
- *          takes: 100 to 330 for strips and plates of 2,000 to 40,000 unknowns.
- *   (GL9)  Where equilibrium is the worst part and stands still, look once for a motion that
- *          nothing can hold (motion.c).
- *   (GL10) Where nothing has halved for 500 iterations, try once the fixed point of s = mu |u_t| by
+ *          A change keeps r and z, and costs a factorisation. rho starts at .35 of the local
+ *          stiffness: 1/4 suits contacts that open, 1 contacts that stay.
+ *   (GL8)  Newton steps (newton.c) end the iteration if no state has changed between two measures
+ *          and the splitting would need more than 200 further iterations. That is the cost of an
+ *          LU: 100 to 330 iterations for strips and plates of 2,000 to 40,000 unknowns.
+ *   (GL9)  If equilibrium is the worst part and stands still, look once for a motion that nothing
+ *          can hold (motion.c).
+ *   (GL10) If nothing has halved for 500 iterations, try once the fixed point of s = mu |u_t| by
  *          convex problems (fixed.c), and go on from there if that is much better.
- *   (GL11) Joints that contradict each other show after the first step (contradiction.c).
- *   (GL12) Where the residual of a look is more than a tenth of that of the look before, the
+ *   (GL11) The first step shows joints that contradict each other (contradiction.c).
+ *   (GL12) If the residual of a look is more than a tenth of that of the previous look, the
  *          augmented Lagrangian (lagrangian.c) goes on. If it does not end the solve, the splitting
  *          goes on from the best pair; if it has halved the residual, (GL12) may be tried again
  *          after twice as many iterations.
- *   (GL13) Ends where nothing has halved for 2000 iterations, or with the first NaN.
+ *   (GL13) Ends when nothing has halved for 2000 iterations, or with the first NaN.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
- * Cost: a solve with the factor of A an iteration, a product with K every 10.
+ * Cost: a solve with the factor of A per iteration, a product with K every 10 iterations.
  * What can fail: Coulomb's law is not monotone, and nothing proves convergence with friction.
  */
 #include <limits.h>
@@ -56,8 +56,8 @@ static const double most_growth = 2;          /* (GL6) */
 static const double off = 2.2360679774997896; /* (GL7): sqrt(5) */
 static const double most_change = 10;         /* (GL7) */
 static const double first_rho = 0.35;         /* of the local stiffness */
-static const double fast = 0.01;              /* (GL7): gain from look to look at which rho stays */
-static const double slow = 0.1;               /* (GL12): that at which the splitting is left */
+static const double fast = 0.01;              /* (GL7): gain between looks at which rho stays */
+static const double slow = 0.1;               /* (GL12): gain that is too small for the splitting */
 static const double least_rho = 1e-8, most_rho = 100;
 
 /* ---- the iteration --------------------------------------------------------------------------- */
@@ -84,19 +84,19 @@ static int split_sort(dls_global *work, const double *q) {
   return changed;
 }
 
-/* What the looks remember. */
+/* What one look keeps for the next. */
 typedef struct schedule {
   int look;                /* iteration of the next (GL7) */
   int newton, lagrangian;  /* iteration from which on (GL8), (GL12) may be tried */
   int tried, fixed;        /* 1 after (GL9), (GL10) */
-  double jump;             /* (GL7): next factor where the residual stands still */
+  double jump;             /* (GL7): next factor if the residual stands still */
   int moves;               /* 1: the smallest residual has halved between the two looks before */
-  int still;               /* looks where it had not, with rho balanced */
+  int still;               /* looks at which it had not, with rho balanced */
   double residual_at_look; /* the smallest one at the look before */
   double residual;         /* of the measure before */
   double equilibrium;      /* at the look before */
-  double best;             /* badness of the best pair when it last halved, .. */
-  int since;               /* .. and the iteration */
+  double best;             /* badness of the best pair at its last halving, .. */
+  int since;               /* .. and the iteration of that */
 } schedule;
 
 /* (GL7) Returns the next rho at iteration k. gap: |p - q|; change: |rho (z - z')|. */
@@ -133,7 +133,7 @@ static dls_status split_adapt(dls_global *work, int k, double gap, double change
   return dlsi_global_factor(work, error);
 }
 
-/* (GL4), (GL5), (GL6) gap: |p - q|; *accepted: that of the q before. */
+/* (GL4), (GL5), (GL6) gap: |p - q|; *accepted: that of the previous q. */
 static void split_advance(dls_global *work, int accelerate, double gap, double *accepted) {
   dlsi_anderson *history = &work->history;
   if (history->columns && !(gap <= most_growth * *accepted)) {
@@ -149,7 +149,7 @@ static void split_advance(dls_global *work, int accelerate, double gap, double *
   if (accelerate) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
 }
 
-/* (GL8) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
+/* (GL8) Returns 1 if enough iterations are left to pay for the factors of Newton steps. */
 static int newton_is_due(const dls_global *work, int k, int changed, const dls_certificate *now,
                          const schedule *s) {
   if (changed || k < s->newton || work->nc == 0 || !work->system) return 0;
@@ -186,7 +186,7 @@ static dls_status split_fixed(dls_global *work, schedule *s, dls_error *error) {
   return status;
 }
 
-/* (GL12) Returns 1 if the residual has hardly moved since the look before. */
+/* (GL12) Returns 1 if the residual has hardly moved since the last look. */
 static int lagrangian_is_due(const dls_global *work, int k, const schedule *s) {
   return k >= s->look && k >= s->lagrangian && work->m > 0 && work->system &&
          work->system->definite && dlsi_body_badness(&work->best) > slow * s->residual_at_look;

@@ -1,15 +1,15 @@
 /*
- * system.c: A = K + rho H H^T + E, factored for one rho after the other on one analysis.
+ * system.c: A = K + rho H H^T + E, factored for several rho after one analysis.
  *
- *   A is positive definite if K is semidefinite and no motion that K leaves free leaves every
- *   contact where it is: bodies that contact alone holds need no springs. Supernodal Cholesky.
- *   E = hold diag(|K_jj|), hold = 0 or 1e-8, is for the other motions: a proximal term, whose
- *   E x_old stands on the right side. Elastic motions hardly know it.
- *   LU where K is not symmetric or has multipliers, or A is not definite with E either. E is 0 at
+ *   A is positive definite if K is semidefinite and each motion that K leaves free moves some
+ *   contact: bodies that only contact holds need no springs. Supernodal Cholesky.
+ *   E = hold diag(|K_jj|), hold = 0 or 1e-8, is for the other motions: a proximal term, with
+ *   E x_old on the right side. It hardly changes elastic motions.
+ *   LU if K is not symmetric or has multipliers, or A is not definite even with E. E is 0 at
  *   multipliers: redundant joints are not in K (linear/redundant.c).
  *
- * A pivot below 1e-13 of its diagonal entry is taken for rounding. The order is METIS's; the order
- * of the unknowns in a build without it.
+ * A pivot below 1e-13 of its diagonal entry counts as rounding. The order is METIS's; without it
+ * the order of the unknowns.
  * Cost: a factorisation for each rho. Fails: singular with E, no memory.
  */
 #include <limits.h>
@@ -22,9 +22,9 @@
 static const double soft = 1e-8;
 static const double rounding = 1e-13;
 
-/* Lists the entries of H M H^T, M block diagonal, at rows, columns, values (NULL: only counts):
- * those of one triangle, whichever, where `half`. M couples the tangents of a contact, d = 3. M is
- * as dlsi_system_factor_weighted takes it; NULL: 1. Returns their number. */
+/* Lists the entries of H M H^T, M block diagonal, at rows, columns, values (NULL: only counts); if
+ * `half`, of one triangle, upper or lower. M couples the tangents of a contact, d = 3. M is as in
+ * dlsi_system_factor_weighted; NULL: 1. Returns their number. */
 static size_t system_list(const dls_sparse *H, int d, int half, const double *M, int *row, int *col,
                           double *h) {
   size_t count = 0;
@@ -137,7 +137,7 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
   return status;
 }
 
-/* x := the values of A, with M in place of rho where it is not NULL. */
+/* x := the values of A, with M in place of rho if M is not NULL. */
 static void system_values(dlsi_system *work, double rho, const double *M) {
   memcpy(work->x, work->K, work->of_K * sizeof *work->x);
   if (M) (void)system_list(&work->H, work->d, work->symmetric, M, NULL, NULL, work->x + work->of_K);
@@ -147,7 +147,7 @@ static void system_values(dlsi_system *work, double rho, const double *M) {
     work->x[work->of_K + work->of_H + k] = work->hold * work->e[k];
 }
 
-/* Tries Cholesky; returns 0, a status, or 1 where a pivot is rounding or not positive. */
+/* Tries Cholesky; returns 0, a status, or 1 if a pivot is rounding or not positive. */
 static int system_cholesky(dlsi_system *work, dls_error *error) {
   double pivot;
   const int failed = dlsi_cholesky_factor(work->cholesky, work->x, &pivot);

@@ -1,6 +1,6 @@
 /*
- * crash.c: guesses a complementary basis of LCP(M, q) by exchanging many pairs at once, before
- * Lemke's method goes one pair at a time.
+ * crash.c: guesses a complementary basis of LCP(M, q) by block pivots, many pairs at a time, before
+ * Lemke's method pivots one pair at a time.
  *
  *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0
  *
@@ -9,26 +9,26 @@
  *   (CR1)  M_AA z_A = -q_A,  y = M z + q;   M_AA singular: give up
  *   (CR2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: a solution
  *   (CR3)  give up if (|M||z|)_i > 1000 |q_i| in most rows of A with q_i != 0, or after `patience`
- *          rounds in a row in which |out| + |in| was more than 3/4 of the least before
- *   (CR4)  A := A \ out u in, without those j for which then M_Aj = 0
+ *          rounds in a row with |out| + |in| > 3/4 of the least before
+ *   (CR4)  A := A \ out u in;  then remove each j with M_Aj = 0
  *
- * principal.c has the same iteration with all of H, but for the last words of (CR4): where M_jj =
- * 0, as for the multipliers in the forms with friction, j enters a basis only together with others.
+ * principal.c iterates in the same way with all of H, but removes nothing in (CR4). An index j with
+ * M_jj = 0, as of a multiplier in the forms with friction, can enter a basis only with others.
  *
- * The method is a guess without a promise. It costs a few factorisations and is usually right
- * where M is well conditioned, as for elastic bodies: each round leaves a half to a tenth of the
- * wrong signs. Near-singular bases, as of statically indeterminate bodies, soon fail (CR3); the
- * rounds end after 4 (1 + log_4/3 2n) at the latest. A change of units changes only roundings.
+ * The guess can fail. It costs a few factorisations and is usually right if M is well conditioned,
+ * as for elastic bodies: each round leaves 10 % to 50 % of the wrong signs. Near-singular bases, as
+ * of statically indeterminate bodies, soon end by (CR3). There are at most 4 (1 + log_4/3 2n)
+ * rounds. A change of units changes only rounding errors.
  *
- * Consecutive rounds differ in fewer and fewer indices. With M_00 = P L U for an earlier basis A_0
- * and A = A_0 \ D u E now, M_AA x = b is solved by
+ * Fewer and fewer indices change from round to round. If M_00 = P L U is known for an earlier basis
+ * A_0, and A = A_0 \ D u E, then M_AA x = b is solved by
  *
  *   (CR5)  Y = M_00^-1 ( M_0E  I_D ),   x' = M_00^-1 b_0,
  *          ( M_E0 Y - ( M_EE 0 ) )       ( M_E0 x' - b_E )
  *          ( Y_D                 ) w  =  ( x'_D          ),    x_0 = x' - Y w,   x_E = w_E
  *
- * where a column of Y costs 2 |A_0|^2 flops and is kept for later rounds; a factorisation costs
- * 2 |A|^3 / 3. M_AA is factorised again when Y would have more than |A_0| / 4 columns.
+ * A column of Y costs 2 |A_0|^2 flops and is kept for later rounds. A factorisation costs
+ * 2 |A|^3 / 3. M_AA is factorised again if Y would have more than |A_0| / 4 columns.
  *
  * Sources: Kostreva 1978; Judice and Pires 1994 (full references in principal.c).
  */
@@ -65,9 +65,9 @@ static void crash_gather(const dls_lcp *lcp, int rows, const int *i, int columns
 
 /* ---- the factors ----------------------------------------------------------------------------- */
 
-/* Factorises f->A and returns 1, or 0 if a pivot is 0 or only rounding error: not above 1e-12 times
- * the sum of |l_cl| |u_lc| it was computed from, which units do not change. Runs in tiles because
- * u_lc lies along a row. d: scratch, f->n. */
+/* Factorises f->A. Returns 1, or 0 if a pivot is only rounding error: at most 1e-12 times the sum
+ * of |l_cl| |u_lc| that it was computed from, a test that units do not change. The loops run in
+ * tiles because u_lc lies along a row. d: scratch, f->n. */
 static int crash_lu(dlsi_dense *f, double *d) {
   const size_t n = (size_t)f->n, tile = 32;
   const double *A = f->A;
@@ -98,7 +98,7 @@ static int crash_start_anew(const dls_lcp *lcp, dlsi_crash *work) {
   return crash_lu(&work->factors, work->x);
 }
 
-/* Returns 1 if i belongs to one of A and A_0 only. */
+/* Returns 1 if i is in exactly one of A and A_0. */
 static int crash_changed(const dlsi_crash *work, int i) {
   return work->in[i] != (work->place[i] >= 0);
 }
@@ -220,7 +220,7 @@ void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work) {
   work->rounds = work->factors.n = work->change.n = work->columns = 0;
   work->fewest = 2 * lcp->n; /* above any count */
   work->chances = patience;
-  memset(work->z, 0, (size_t)lcp->n * sizeof *work->z); /* told of where a first round fails */
+  memset(work->z, 0, (size_t)lcp->n * sizeof *work->z); /* reported if round 1 fails */
   for (int i = 0; i < lcp->n; i++) {
     work->in[i] = z && z[i] > 0;
     work->place[i] = work->slot[i] = -1;

@@ -16,15 +16,15 @@
  *   (EN4)  the affine hull of P_A has the directions { v : C_J v_J = 0, v = 0 elsewhere }; z_i
  *          takes more than one value if some v_i != 0
  *
- * Reason for (EN4): the mean of n points of P_A that show one j of J each is positive on all of J,
- * so that P_A contains mean + t v for small t of either sign. An isolated solution is alone in each
- * P_A that contains it, so that (EN1) or (EN2) find it.
+ * Reason for (EN4): take for each j in J a point of P_A with x_j > 0. The mean of these points is
+ * positive on all of J, so P_A contains mean + t v for small |t|. An isolated solution is the only
+ * point of each P_A that contains it, so (EN1) or (EN2) finds it.
  *
- * All is done on (R M C, R q / beta), R and C powers of two that equilibrate M, beta = max |R q|:
- * the tolerances are pure numbers. Listed solutions are certified on the user's M and q.
+ * The computation uses (R M C, R q / beta), with powers of two R, C that equilibrate M and beta =
+ * max |R q|: tolerances are pure numbers. Listed solutions are certified on the user's M and q.
  *
  * Cost: 2^n eliminations of k x k, k = n/2 on average. Can fail: a matrix within 1e-12 of a
- * singular one is taken for singular, and the simplex method takes 1e-10 for 0.
+ * singular one counts as singular, and the simplex method treats 1e-10 as 0.
  */
 #include <float.h>
 #include <limits.h>
@@ -38,7 +38,7 @@ enum { most = DLS_ENUMERATE_MAX, pivot_limit = 10000 };
 
 static const double rank_tol = 1e-12, zero_tol = 1e-10, same_tol = 1e-8;
 
-/* The end of one set A: no certified solution; a point of it is in the list; no room; rounding. */
+/* How a set A ends: no certified solution; a point of P_A is listed; list full; rounding. */
 typedef enum outcome { none = 0, listed = 1, full = -1, stalled = -2 } outcome;
 
 typedef double table[most][most + 1]; /* rows of (A | b), b right after the last column of A */
@@ -107,7 +107,7 @@ typedef struct cone {
   int n;
   table T;         /* B^-1 (C | q), B the basic columns */
   int basic[most]; /* column of each row; -1: an artificial variable */
-  int pivots;      /* a few n; at pivot_limit rounding has undone Bland's rule */
+  int pivots;      /* a few n; at pivot_limit rounding has defeated Bland's rule */
 } cone;
 
 /* Returns the row that leaves for column e by Bland's rule: the least variable among the ties,
@@ -158,7 +158,7 @@ static int simplex_find_vertex(cone *k) {
   for (int i = 0; i < n; i++)
     if (k->basic[i] < 0 && k->T[i][n] > 0) return 0;
   for (int i = 0; i < n; i++) {
-    int e = -1; /* an artificial variable at 0 is exchanged, or its row is redundant */
+    int e = -1; /* pivot out an artificial variable at 0, or clear its row */
     for (int j = 0; k->basic[i] < 0 && j < n; j++)
       if (fabs(k->T[i][j]) > zero_tol && (e < 0 || fabs(k->T[i][j]) > fabs(k->T[i][e]))) e = j;
     if (e >= 0)
@@ -174,7 +174,7 @@ static void simplex_mark_positive(const cone *k, char *positive) {
     if (k->basic[i] >= 0 && k->T[i][k->n] > 0) positive[k->basic[i]] = 1;
 }
 
-/* (EN3) Raises x_j from 0 until it is positive, or cannot be. */
+/* (EN3) Raises x_j from 0 until it is positive or cannot grow. */
 static void simplex_try_positive(cone *k, int j, char *positive) {
   const int n = k->n;
   while (!positive[j] && k->pivots < pivot_limit) {
@@ -200,7 +200,7 @@ static void simplex_try_positive(cone *k, int j, char *positive) {
 
 /* ---- one set A ------------------------------------------------------------------------------- */
 
-/* z (n, scaled) to the list, if it is certified and new */
+/* Adds z (n, scaled) to the list if it is certified and new. */
 static outcome enumerate_add(problem *p, const double *z) {
   const int n = p->n;
   double x[most], y[most], a[most], largest = 0;
@@ -384,7 +384,7 @@ int dlsi_find_vertex(int n, const double *C, double *x) {
   return found;
 }
 
-/* y: dual values of the least sum of the artificial variables, one for each row that is short. */
+/* y: dual values of min sum of artificial variables; each row that is not met has one. */
 int dlsi_refute_vertex(int n, const double *C, double slack, double *y) {
   cone k;
   table B; /* transposed: row j for the variable that is basic in row j */
@@ -403,7 +403,7 @@ int dlsi_refute_vertex(int n, const double *C, double slack, double *y) {
   return 1;
 }
 
-/* Raises c.x as far as it goes; returns its value, INFINITY if it has no bound. */
+/* Maximises c.x from a vertex. Returns the maximum, INFINITY if there is no bound. */
 static double simplex_raise(cone *k, const double *c) {
   const int n = k->n;
   for (int e = 0; e < n && k->pivots < pivot_limit; e++) {

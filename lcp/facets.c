@@ -7,21 +7,21 @@
  *
  * This is (FI1)-(FI3) of friction.c with shift = 0.
  *
- * If sum beta < mu r_n, lambda = 0 and e_k.u_t >= 0 for every k: u_t = 0, since e_k and -e_k are
- * both there. If lambda > 0, only the e_k with the least e_k.u_t = -lambda push: friction opposes
- * slip as well as the polygon allows (Stewart and Trinkle, reference in facets.h).
+ * If sum beta < mu r_n, then lambda = 0 and e_k.u_t >= 0 for every k, hence u_t = 0: both e_k and
+ * -e_k are directions. If lambda > 0, beta_k > 0 only for the least e_k.u_t = -lambda: friction
+ * opposes slip as well as the polygon allows (Stewart and Trinkle, reference in facets.h).
  *
- * With the columns c_0 = n, c_(k+1) = e_k of C, the rows of candidate a in the columns of b are
- * C^T W_ab C; besides, 1 in the column of lambda and (mu, -1 .. -1) in its row. So for z >= 0
+ * C has the columns c_0 = n, c_(k+1) = e_k. The rows of contact a in the columns of contact b are
+ * C^T W_ab C. The column of lambda holds 1, the row of lambda (mu, -1 .. -1). So for z >= 0
  *
  *   z^T M z = r^T W r + sum_c mu_c r_nc lambda_c
  *
- * and M is copositive if W is positive semidefinite. Where W is positive definite Lemke's method
- * meets no ray: only z = (0, 0, lambda) solves LCP(M, 0), and q^T z = 0 there, which suffices
+ * and M is copositive if W is positive semidefinite. If W is positive definite, Lemke's method
+ * meets no ray: LCP(M, 0) has only the solutions z = (0, 0, lambda), and q^T z = 0 for them
  * (Cottle, Pang, Stone, The Linear Complementarity Problem, 1992, theorem 4.4.12).
  *
- * Corners are on the circle (the polygon is inscribed): r stays in the round cone. Where W = w I
- * and slip goes through the middle of a facet, the certificate has
+ * The polygon is inscribed in the circle, so r stays in the round cone. If W = w I and slip goes
+ * through the middle of a facet, the certificate has
  *
  *   |F_c| = w mu r_n (1 - cos(pi / facets)) / sqrt(1 + mu^2),   1 - cos(pi / facets) ~ 5 / facets^2
  */
@@ -39,7 +39,7 @@ int dls_contact_facets_size(const dls_contact *problem, int facets) {
   return dlsi_form_size(problem, facets);
 }
 
-/* Checks the problem and fills the form; the second half of the e_k is the first turned round. */
+/* Checks the problem and fills the form; the second half of the e_k is minus the first half. */
 static dls_status facets_form(const dls_contact *problem, int facets, dlsi_form *form,
                               dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);

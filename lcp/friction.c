@@ -2,13 +2,13 @@
  * friction.c: states the contact problem as an LCP, for a friction cone spanned by directions, and
  * in 2D for the form with three rows, [Chabrand 1998] (39) with the sign of (21).
  *
- * A candidate with mu > 0 has the unknowns z = (r_n, beta_0 .. beta_(m-1), lambda), with directions
+ * A contact with mu > 0 has the unknowns z = (r_n, beta_0 .. beta_(m-1), lambda), with directions
  * e_k in the tangent plane and
  *
  *   (FI1)  r_t = sum_k beta_k e_k - shift mu r_n e_0
  *   (FI2)  y   = ( u_n,  e_k.u_t + lambda,  (1 + shift) mu r_n - sum_k beta_k )
  *
- * A candidate with mu = 0 has z = r_n, y = u_n. shift = 0 gives the cones of facets.c. shift = 1
+ * A contact with mu = 0 has z = r_n, y = u_n. shift = 0 gives the cones of facets.c. shift = 1
  * and m = 1 give the three rows in 2D,
  *
  *   phi_1 = mu r_n - r_t >= 0,   phi_2 = mu r_n + r_t >= 0,   u_t = lambda_1 - lambda_2
@@ -20,7 +20,7 @@
  *   lambda_1 = (W_tn - mu W_tt) r_n + W_tt phi_2 + lambda_2 + q_t       (u_t + lambda_2)
  *   phi_1    =             2 mu r_n -      phi_2                        (2 mu r_n - (mu r_n + r_t))
  *
- * The mu of a column belongs to the candidate whose reaction the column multiplies. Scaling:
+ * The mu of a column is that of the contact whose reaction the column multiplies. Scaling:
  *
  *   (FI3)  r_c = s_c r'_c,  u_c = u'_c / s_c,  so that  W'_ab = s_a W_ab s_b,  q'_a = s_a q_a
  *
@@ -56,7 +56,7 @@ static dls_status form_check(const dls_contact *problem, const dlsi_form *form, 
   return s ? dlsi_check_positive("s", s, problem->nc, error) : DLS_OK;
 }
 
-/* c0 := column r_n of (FI1) for candidate b: n - shift mu e_0. */
+/* c0 := column r_n of (FI1) for contact b: n - shift mu e_0. */
 static void form_normal(const dls_contact *problem, const dlsi_form *form, int b, double c0[3]) {
   for (int i = 0; i < 3; i++)
     c0[i] = form->c[0][i] - (problem->mu[b] > 0 ? form->shift * problem->mu[b] * form->c[1][i] : 0);
@@ -81,8 +81,8 @@ static DLSI_INLINE void form_add_block(int d, const dlsi_form *form, double scal
   }
 }
 
-/* Writes the entries of M that do not come from W, the column and the row of lambda; own: the
- * candidate's diagonal block of M. */
+/* Writes the entries of M that do not come from W: the column and the row of lambda. own: the
+ * contact's diagonal block of M. */
 static void form_add_multiplier(double mu, const dlsi_form *form, double *own, size_t ldm) {
   const size_t last = (size_t)form->directions + 1;
   own[last] = (1 + form->shift) * mu;
@@ -103,7 +103,7 @@ dls_status dlsi_form_matrix(const dls_contact *problem, const dlsi_form *form, c
 
   const int d = problem->d, nc = problem->nc, all = form->directions + 1;
   const size_t ld = (size_t)ldm;
-  double *first = q; /* first row of each candidate; the entries of q are written last */
+  double *first = q; /* first row of each contact; the entries of q are written last */
   for (int c = 0, i = 0; c < nc; i += form_rows(problem, form->directions, c), c++)
     first[c] = i;
   for (size_t j = 0; j < (size_t)n; j++)
@@ -194,8 +194,8 @@ dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, con
   return dlsi_at(__func__, status, error);
 }
 
-/* The state of a candidate says which unknowns are positive: stick (r_n, phi_2); slip in +t (r_n),
- * in -t (r_n, phi_2, lambda_2); free none, but lambda_2 where u_t < 0. */
+/* Positive unknowns by state: stick (r_n, phi_2); slip in +t (r_n), in -t (r_n, phi_2, lambda_2);
+ * free: none, or lambda_2 if u_t < 0. */
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z) {
   for (int c = 0; c < problem->nc; z += form_rows(problem, 1, c), c++) {

@@ -86,7 +86,7 @@ static void lcp_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* Returns the smaller of a and b; NaN if one of them is. */
+/* Returns the smaller of a and b; NaN if either is. */
 static double lcp_least(double a, double b) {
   return a != a || a < b ? a : b;
 }
@@ -116,7 +116,7 @@ void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, cons
       FF += F * F;
     }
   }
-  /* against a norm beyond the range of numbers everything is small: it certifies nothing */
+  /* beside a norm that overflows, every F is small: that certifies nothing */
   c.residual = largest == 0 ? 0 : scale <= DBL_MAX ? unit * sqrt(FF) / scale : INFINITY;
   c.floor = az == 0 ? 0 : DBL_EPSILON * (az / scale);
   *certificate = c;

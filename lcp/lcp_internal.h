@@ -1,6 +1,6 @@
 /*
- * lcp_internal.h: shared by the files of lcp/: the measure of an LCP's answer, the scaling of an
- * LCP, the parts of Lemke's method, and the contact problem as an LCP.
+ * lcp_internal.h: shared by the files of lcp/: the certificate and the scaling of an LCP, the parts
+ * of Lemke's method, and the contact problem as an LCP.
  */
 #ifndef LCP_INTERNAL_H
 #define LCP_INTERNAL_H
@@ -41,18 +41,18 @@ double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const dou
                               const double *dz, double dz0, double *work);
 double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
-/* Returns 1 if v (n), or a vector near it, is a Farkas vector without any rounding; v then holds
- * it. work: n. */
+/* Returns 1 if v (n), or a vector near v, is a Farkas vector in exact arithmetic, and stores that
+ * vector in v. work: n. */
 int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work);
 
 /* ---- scale.c --------------------------------------------------------------------------------- */
 
-/* Finds exponents rho (rows) and gamma (columns) for which the entries 2^(rho_i + gamma_j) |M_ij|
- * that are not 0 have geometric mean 1, nearly, in every row and column, negligible entries being
- * raised (SC4). work: scratch, 9 n. */
+/* Finds exponents rho (rows) and gamma (columns) so that the entries != 0 of 2^(rho_i + gamma_j)
+ * |M_ij| have a geometric mean of about 1 in every row and column. Negligible entries are raised
+ * (SC4). work: scratch, 9 n. */
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work);
 
-/* Returns 2^round(e), with e held to -500 .. 500 so that two such factors cannot overflow. */
+/* Returns 2^round(e), with e limited to -500 .. 500 so that two such factors cannot overflow. */
 double dlsi_power_of_two(double e);
 
 /* ---- crash.c --------------------------------------------------------------------------------- */
@@ -69,7 +69,7 @@ typedef struct dlsi_crash {
   int *base;           /* A_0, ascending, k */
   int *place, *slot;   /* position of i in A_0, column of i in Y; -1 for none, n */
   int *differ;         /* E, then D, h */
-  int columns, e;      /* of Y; |E| */
+  int columns, e;      /* columns of Y; |E| */
   int rounds;          /* so far */
   int fewest, chances; /* of (CR3): least |out| + |in|; rounds left */
 } dlsi_crash;
@@ -85,20 +85,20 @@ int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *work);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 
-enum { dlsi_table_block = 96 }; /* exchanges put off */
+enum { dlsi_table_block = 96 }; /* postponed pivots */
 
 /* Lemke's table, with (TA3) and (TA4) of table.c. Variables are numbered: y_i is i, z_i is n + i,
  * z0 is 2 n. */
 typedef struct dlsi_table {
   int n, ld;
-  double *T;   /* coefficients without the pending exchanges, ld x (n+1) */
+  double *T;   /* coefficients without the pending pivots, ld x (n+1) */
   double *U;   /* n x block */
   double *L;   /* block x block, lower triangle */
   double *V;   /* block x (n+1), used while flushing */
   double *W;   /* right-hand side of (TA4), block x (n+1) */
-  int pending; /* exchanges put off */
+  int pending; /* postponed pivots */
   int *row;    /* their rows, block */
-  int *born;   /* the last pending exchange of each column, -1 if none, n+1 */
+  int *born;   /* the last pending pivot of each column, -1 if none, n+1 */
   double *b;   /* values of the basic variables, n */
   double *g;   /* their derivatives by the perturbation, n */
   int *basic;  /* variable of each row, n */
@@ -115,19 +115,19 @@ void dlsi_table_column(const dlsi_table *table, int s, double *c);
 /* Exchanges the variables of row r and column s; c: column s as above, c[r] != 0. */
 void dlsi_table_exchange(dlsi_table *table, int r, int s, const double *c);
 
-/* dx (n) := the move of the basic variables when each y_i that is not basic moves by dy_i (n). */
+/* dx (n) := the move of the basic variables if each nonbasic y_i moves by dy_i (n). */
 void dlsi_table_move_y(const dlsi_table *table, const double *dy, double *dx);
 
 /* ---- friction.c ------------------------------------------------------------------------------ */
 
 /* A contact problem as an LCP, (FI1)-(FI3) of friction.c. */
 typedef struct dlsi_form {
-  int directions;                  /* tangential unknowns of a candidate with mu > 0 */
+  int directions;                  /* tangential unknowns of a contact with mu > 0 */
   double shift;                    /* 0 or 1 */
   double c[DLS_FACETS_MAX + 1][3]; /* n, then e_k, k = 0 .. directions-1 */
 } dlsi_form;
 
-/* Counts the rows of the LCP, `directions` + 2 for a candidate with mu > 0; 0 if they do not fit an
+/* Counts the rows of the LCP, `directions` + 2 for a contact with mu > 0; 0 if they overflow an
  * int. */
 int dlsi_form_size(const dls_contact *problem, int directions);
 
@@ -138,8 +138,8 @@ dls_status dlsi_form_matrix(const dls_contact *problem, const dlsi_form *form, c
 dls_status dlsi_form_reactions(const dls_contact *problem, const dlsi_form *form, const double *s,
                                const double *z, double *r, dls_error *error);
 
-/* z (dls_contact_lcp_size) := 1 where the unknown of the 3-row form is positive in the states of
- * (u, r), else 0: a start for Lemke's method. d = 2; w: weights of the certificate. */
+/* z (dls_contact_lcp_size) := 1 where the states of (u, r) make the unknown of the 3-row form
+ * positive, else 0: a start for Lemke's method. d = 2; w: weights of the certificate. */
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z);
 
@@ -151,24 +151,24 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
-/* Finds a vertex x (n) of { x >= 0 : C x = q }. Returns 1, 0 if that is empty to 1e-10, -1 if
+/* Finds a vertex x (n) of { x >= 0 : C x = q }. Returns 1, 0 if that set is empty to 1e-10, -1 if
  * rounding keeps the simplex method from ending. C: (C | q) by rows, n x (n + 1), n <=
  * DLS_ENUMERATE_MAX. */
 int dlsi_find_vertex(int n, const double *C, double *x);
 
-/* After dlsi_find_vertex said 0: y (n) := a vector with y.C <= 0 and y.q > 0, up to rounding,
- * which shows that the polyhedron is empty. slack: by how much the equations among y.C <= 0 are to
- * be inequalities, beside entries of y of about 1. Returns 0 if rounding hides it. */
+/* Call it after dlsi_find_vertex returned 0. y (n) := a vector with y.C <= 0 and y.q > 0 up to
+ * rounding: it proves that the polyhedron is empty. slack: y.C = 0 becomes y.C = -slack, where
+ * entries of y are about 1. Returns 0 if rounding hides y. */
 int dlsi_refute_vertex(int n, const double *C, double slack, double *y);
 
-/* After dlsi_find_vertex said 1: returns the dimension of the polyhedron, -1 if rounding hides it;
- * where that is not 0, low and high (count) := the least and largest value of a_i.x on it,
- * -INFINITY or INFINITY if there is none. a: count rows of n. */
+/* Call it after dlsi_find_vertex returned 1. Returns the dimension of the polyhedron, -1 if
+ * rounding hides it. If it is > 0, low and high (count) := the least and largest a_i.x on the
+ * polyhedron, -INFINITY or INFINITY if unbounded. a: count rows of n. */
 int dlsi_spread(int n, const double *C, int count, const double *a, double *low, double *high);
 
-/* Lets `judge` decide, from the next solve on, whether a vector v (n) that is Farkas' up to
- * rounding proves that there is no solution; NULL: dlsi_lcp_find_proof decides. For an LCP that has
- * been computed from another problem, whose numbers count. judge may overwrite v; work: n. */
+/* From the next solve on, `judge` decides whether v (n), a Farkas vector up to rounding, proves
+ * that there is no solution. NULL: dlsi_lcp_find_proof. For an LCP computed from another problem,
+ * for whose numbers the proof has to hold. judge may overwrite v; work: n. */
 typedef int dlsi_judge(void *problem, double *v, double *work);
 void dlsi_lemke_set_judge(dls_lemke *work, dlsi_judge *judge, void *problem);
 

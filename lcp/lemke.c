@@ -3,66 +3,66 @@
  *
  *   y = M z + d z0 + q,   y, z >= 0,  z0 >= 0,  y_i z_i = 0       [C] (42) with d = 1
  *
- * kept as a table x_B = b + A x_N (table.c), from z0 large enough for y >= 0 down to z0 = 0:
+ * as a table x_B = b + A x_N (table.c). z0 starts large enough for y >= 0 and ends at 0:
  *
  *   (LE0) warm start only: begin at the basis of z, see below
  *   (LE1) z0 enters, y_r leaves, r = argmin q_i / d_i                               [C] (43)-(45)
  *   (LE2) the complement of the variable that left enters: column c of A
  *   (LE3) x_r leaves, r = argmin { b_i / -c_i : c_i < 0 }; no such i: a ray, stop       (46), (49)
- *   (LE4) exchange; if z0 left, b is a solution, else go to (LE2)                   (47)-(48)
+ *   (LE4) pivot; if z0 left, b is a solution, else go to (LE2)                      (47)-(48)
  *
  * Ties. Replace q by q(e) = q + e g + (e^2, .., e^(n+1)), g > 0, e -> 0+. The basic variables
- * become b + e g' + .., where the exchanges transform g' as they transform b; and because to move
- * q_j is to move y_j the other way, the coefficient of e^(j+2) in row i is
+ * become b + e g' + .., where pivots transform g' like b. A change of q_j acts as the opposite
+ * change of y_j, so the coefficient of e^(j+2) in row i is
  *
  *   (LE5) l_ij = -a_is if y_j stands in column s;  if y_j is basic, 1 in its row, else 0.
  *
  * (LE3) compares (LE6) b_i / -c_i, among ties (LE7) g'_i / -c_i, among ties (LE8) l_ij / -c_i for
- * j = 0, 1, .. One column for (LE8) costs as much as one for (LE2), and with the g taken (LE8)
- * hardly ever starts.
+ * j = 0, 1, .. A column for (LE8) costs as much as one for (LE2), but with this g (LE8) hardly ever
+ * starts.
  *
- * It ends. (l_ij) is the inverse of the basis, so the rows (b_i, g'_i, l_i) are linearly
- * independent, no two are proportional, and (LE6)-(LE8) always leave one r. All rows stay
- * lexicographically positive, as they are after (LE1) by the same choice. So for small e > 0 the
- * path is that of the problem q(e), which is not degenerate: an almost complementary basis has at
- * most two neighbours (one for each of the pair that is not basic), the first basis has only one
- * (on the other side lies the primary ray), hence no basis comes twice, and there are finitely
- * many (Lemke, Management Science 11, 1965, 681-689; Cottle, Pang, Stone, The Linear
- * Complementarity Problem, 1992, 4.4, 4.9).
+ * Why it ends. (l_ij) is the inverse of the basis, so the rows (b_i, g'_i, l_i) are linearly
+ * independent, no two are proportional, and (LE6)-(LE8) always leave one r. (LE1) makes all rows
+ * lexicographically positive, and the same choice keeps them so. So for small e > 0 the path is
+ * that of the problem q(e), which is not degenerate. An almost complementary basis has at most two
+ * neighbours, one for each variable of the nonbasic pair. The first basis has only one: on its
+ * other side is the primary ray. Hence no basis occurs twice, and there are finitely many (Lemke,
+ * Management Science 11, 1965, 681-689; Cottle, Pang, Stone, The Linear Complementarity Problem,
+ * 1992, 4.4, 4.9).
  *
- * Warm start. At the basis of a complementary z, x_B = b + A x_N is an LCP in x_N as (40) is in z:
- * (LE1) can begin there with a cover d' > 0 and a perturbation g' > 0, e^2, e^3, .. of its own, and
- * the proof holds for it. In y these are d = B d' and g = B g', B being the columns of x_B in (I,
- * -M), so that the table can be computed again at any time. If b >= 0 there is nothing to do. d
- * need not be positive: a ray is then no ray of the user's cover, and the cold start is tried
- * instead.
+ * Warm start. At the basis of a complementary z, x_B = b + A x_N is an LCP in x_N, as (40) is in z.
+ * (LE1) can begin there with a cover d' > 0 and a perturbation g' > 0, e^2, e^3, .. of that LCP;
+ * the proof holds for it. In terms of y these are d = B d' and g = B g', where B has the columns of
+ * x_B in (I, -M); so the table can be computed again at any time. If b >= 0, the basis is a
+ * solution. d need not be positive: a ray is then no ray of the user's cover, and a cold start
+ * follows.
  *
- * Crash start. Before the path, unless it is switched off or a cover is given, crash.c guesses a
- * complementary basis with LU factors. If its z has the certificate, that is the answer; else
- * nothing of it is kept and the path is the one without it.
+ * Crash start. Before the path crash.c guesses a complementary basis with LU factors, unless
+ * `crash` is 0 or a cover is given. If its z has the certificate, z is the answer. Else the guess
+ * is dropped, and the path is the same as without it.
  *
- * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
- * relative tolerances serve all units. Deviations from (LE1)-(LE8):
+ * Rounding. All tests use R M C with powers of two R and C (scale.c), so that the same relative
+ * tolerances serve all units. Deviations from (LE1)-(LE8):
  *
- *   (LE9)  c_i < -1e-11 max|c| for c_i < 0; b_i / -c_i is a tie with the least if it is at most the
- *          least (b_i + 1e-13 max|b|) / -c_i
- *   (LE10) z0 leaves where this holds with 1e-10: at the end z0 is commonly tied with many others
- *   (LE11) now and then, and after an exchange on a small pivot, b is put into the user's M; if it
- *          does not fit to 1e-9, and before a ray is believed, the table is computed again
- *          ("refreshed"): from M, the basic variables are exchanged in, each at the row with the
- *          largest coefficient
- *   (LE12) answers do not carry the table's rounding: b, and c for a ray, are refined with the
- *          user's M, the table serving as approximate inverse
- *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
- *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
- *          (LE11) more often
+ *   (LE9)  c_i < -1e-11 max|c| replaces c_i < 0; b_i / -c_i ties with the least if it is at most
+ *          min_k (b_k + 1e-13 max|b|) / -c_k
+ *   (LE10) z0 leaves if it ties with 1e-10 for 1e-13: at the end z0 often ties with many others
+ *   (LE11) every max(n, 256) pivots, and after a small pivot, b is tested with the user's M. If the
+ *          misfit is above 1e-9, and before a ray is accepted, the table is refreshed: computed
+ *          again from M by pivoting in the basic variables, each at the row with the largest
+ *          coefficient
+ *   (LE12) b, and c for a ray, are refined with the user's M, so that answers do not carry the
+ *          table's rounding; the table is the approximate inverse
+ *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray. If not, a fresh
+ *          table is tried; then the path restarts without (LE10), with 1e-14 for 1e-11 in (LE9),
+ *          and with (LE11) every 32 pivots
  *
- * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas vector (so if M is copositive-plus) means that
- * there is no solution, if v or a vector near it holds without any rounding. Another ray means
- * nothing: unless the user chose d, other vectors d are tried.
+ * A ray (z, z0) + t (dz, dz0) proves that there is no solution if dz, or a vector near it, is a
+ * Farkas vector in exact arithmetic; if M is copositive-plus, dz is one up to rounding. Any other
+ * ray proves nothing: other vectors d are tried, unless the user chose d.
  *
- * Cost: 2 n^2 flops per exchange at the rate of dgemm, and O(96 n); memory n (n + 1) + 330 n. The
- * number of exchanges can be 2^n (Murty) and usually is n/2 to 3 n.
+ * Cost: 2 n^2 flops per pivot at the rate of dgemm, and O(96 n); memory n (n + 1) + 330 n. The
+ * number of pivots can be 2^n (Murty) and usually is n/2 to 3 n.
  */
 #include <float.h>
 #include <limits.h>
@@ -83,11 +83,11 @@ static const double misfit_tolerance = 1e-9; /* (LE11), to 1 + max|b|; max|q| is
 static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, times n + 10 */
 static const double golden = 0.6180339887498949;
 enum { most_covers = 10 };         /* the first one, and others */
-static const double sharp = 1e-12; /* a residual that calls for no second look */
+static const double sharp = 1e-12; /* accept a residual below it at once */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-/* Vectors of Farkas up to rounding: what they leave of solutions is too far away for a
- * certificate, but another ray may prove that there is none. */
+/* Stop after so many rays that are Farkas vectors up to rounding: any solution left is too large
+ * for a certificate, but a second ray may prove that there is none. */
 enum { most_vectors = 2 };
 
 struct dls_lemke {
@@ -106,16 +106,16 @@ struct dls_lemke {
   dlsi_table table;
   double *c;      /* the entering column, n */
   double *x, *dx; /* values by variable, and along the entering column, 2n+1 */
-  double *g;      /* the perturbation as y would feel it, n */
+  double *g;      /* the perturbation in terms of y, n */
   int *start;     /* basic variables of the start, one of each pair, n */
-  int *rows;      /* candidates of the ratio test; 1 for a row that waits for a z, n */
+  int *rows;      /* rows of the ratio test; 1 for a row still without its z, n */
   int *reenter;   /* the basic z, as variables, n+1 */
   int entering;   /* the variable of the ray, if the path ended in one */
-  int strict;     /* 1: with the care of (LE13) */
+  int strict;     /* 1: second try of (LE13) */
   int max_pivots;
   int pivots, refreshes, starts; /* of this solve */
 
-  /* Before the path: its factors lie in the memory of table.T, written when the path begins. */
+  /* Before the path: its factors share the memory of table.T. */
   dlsi_crash crash;
 
   double *residual;                       /* n */
@@ -130,8 +130,8 @@ struct dls_lemke {
   double *ray_z, *ray_dz, *ray_cover, *farkas; /* n */
   dlsi_judge *judge;                           /* of farkas; NULL: this LCP */
   void *judged;
-  double begun;       /* CPU seconds when the solve began; -1: nobody asks */
-  dls_status stopped; /* by the progress function or the time limit */
+  double begun;       /* CPU seconds when the solve began; -1: not needed */
+  dls_status stopped; /* why: the progress function or the time limit */
   double ray_z0, ray_dz0;
 };
 
@@ -220,8 +220,8 @@ static int lemke_complement(int n, int v) {
   return v < n ? v + n : v - n;
 }
 
-/* cover := R d. Without a given d this is the norms of the rows of R M C, with C = 2^gamma not
- * rounded, so that units do not change d. */
+/* cover := R d; without a given d, the row norms of R M C with C = 2^gamma not rounded, so that
+ * units do not change d. */
 static void lemke_scale_cover(dls_lemke *work, const dls_lcp *lcp, const double *gamma) {
   const int n = lcp->n;
   double *d = work->cover;
@@ -247,7 +247,7 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
   lemke_scale_cover(work, lcp, gamma);
   work->sigma = dlsi_power_of_two(-log2(dlsi_max_abs(work->cover, (size_t)n)));
   const double largest = dlsi_max_abs(work->q, (size_t)n);
-  work->kappa = largest > 0 ? ldexp(1, ilogb(largest)) : 1; /* logarithms round with their size */
+  work->kappa = largest > 0 ? ldexp(1, ilogb(largest)) : 1; /* exact; log2 rounds by its size */
   for (int i = 0; i < n; i++) {
     work->C[i] = dlsi_power_of_two(gamma[i]);
     work->cover[i] *= work->sigma;
@@ -261,7 +261,7 @@ static double lemke_spread(int i, int k) {
   return x - floor(x);
 }
 
-/* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike. */
+/* d := covering vector k: vector 0 times factors between 1/32 and 32, no two alike, if k > 0. */
 static void lemke_choose_cover(dls_lemke *work, int n, int k) {
   double fraction = 0;
   for (int i = 0; i < n; i++) {
@@ -301,8 +301,8 @@ static void lemke_load_table(dls_lemke *work, const dls_lcp *lcp) {
   }
 }
 
-/* Loads the table of the basis that has z_j instead of y_j for the `count` variables of
- * work->reenter, where work->rows[j] = 1; returns 0 if that basis is singular. */
+/* Loads the table of the basis in which the `count` variables of work->reenter replace the y_j with
+ * work->rows[j] = 1. Returns 0 if that basis is singular. */
 static int lemke_enter_basis(dls_lemke *work, const dls_lcp *lcp, int count) {
   const int n = lcp->n;
   dlsi_table *table = &work->table;
@@ -332,8 +332,8 @@ static int lemke_refresh(dls_lemke *work, const dls_lcp *lcp) {
   return lemke_enter_basis(work, lcp, count);
 }
 
-/* (LE0) Makes z_i basic where z_i > 0, y_i elsewhere, and forms d = B d', g = B g' column by column
- * of B, e_i or -M'_i; returns 0 if that basis is singular. */
+/* (LE0) Makes z_i basic if z_i > 0, else y_i. Forms d = B d', g = B g' by the columns e_i or -M'_i
+ * of B. Returns 0 if that basis is singular. */
 static int lemke_enter_warm_basis(dls_lemke *work, const dls_lcp *lcp, const double *z) {
   const int n = lcp->n;
   double *d = work->work, *g = work->work + n;
@@ -363,8 +363,8 @@ static int lemke_enter_warm_basis(dls_lemke *work, const dls_lcp *lcp, const dou
 
 /* ---- values by variable ---------------------------------------------------------------------- */
 
-/* x := the basic variables at b, the others 0. For dx give c as b, and the variable that
- * enters at 1. */
+/* x := values by variable: b for the basic ones, 0 for others. For dx pass c as b, and `entering`,
+ * whose value is 1. */
 static void lemke_read_values(const dlsi_table *table, const double *b, int entering, double *x) {
   memset(x, 0, (2 * (size_t)table->n + 1) * sizeof *x);
   for (int i = 0; i < table->n; i++)
@@ -388,9 +388,8 @@ static double lemke_misfit(dls_lemke *work, const dls_lcp *lcp, const double *x,
   return dlsi_max_abs(f, n);
 }
 
-/* (LE12) Refines x until the residual f is rounding, or does not halve. y_i out of the basis is f_i
- * instead of 0: it has to move by -f_i, and the basic variables follow. y_i in the basis takes up
- * its f_i. */
+/* (LE12) Refines x until the residual f is rounding or does not halve. A nonbasic y_i is f_i
+ * instead of 0: it moves by -f_i, and the basic variables follow. A basic y_i takes up f_i. */
 static void lemke_refine(dls_lemke *work, const dls_lcp *lcp, double *x, double h) {
   const dlsi_table *table = &work->table;
   const int n = lcp->n;
@@ -429,9 +428,9 @@ static int ratio_keep_smallest(int count, int *rows, const double *value) {
   return kept;
 }
 
-/* value_k := (LE5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2), -a_is if v, the
- * basic variable number j of the start (y_j if cold), stands in column s, or 1 if v is basic in row
- * i; a: scratch, n. */
+/* value_k := (LE5) / -c_i for the rows i = rows[k]. v: basic variable j of the start (y_j if cold).
+ * The coefficient of e^(j+2) is -a_is if v stands in column s, 1 if v is basic in row i, else 0.
+ * a: scratch, n. */
 static void ratio_perturbation(const dlsi_table *table, int v, int count, const int *rows,
                                const double *c, double *a, double *value) {
   const int where = table->where[v];
@@ -442,8 +441,8 @@ static void ratio_perturbation(const dlsi_table *table, int v, int count, const 
   }
 }
 
-/* (LE6) Keeps those of rows[0..count), c < 0, that are tied, (LE9), and returns their number; or
- * returns -1 if z0's row may leave, (LE10). */
+/* (LE6) Keeps those of rows[0..count), all with c < 0, that tie by (LE9), and returns their number;
+ * -1 if z0 may leave by (LE10). */
 static int ratio_keep_ties(const dls_lemke *work, int count, int *rows, double bmax) {
   const dlsi_table *table = &work->table;
   const double *b = table->b, *c = work->c;
@@ -487,14 +486,14 @@ static int ratio_leaving_row(dls_lemke *work, double cmax) {
     tied = ratio_keep_smallest(tied, rows, value);
   }
   int r = rows[0];
-  for (int k = 1; k < tied; k++) /* several are left only where rounding hides the difference */
+  for (int k = 1; k < tied; k++) /* several are left only if rounding hides the difference */
     if (c[rows[k]] < c[r]) r = rows[k];
   return r;
 }
 
-/* (LE1) Returns the row that leaves when z0 enters by its column c, ties as in (LE7), (LE8): of
- * rows (e_i / c_i) the last one is lexicographically smallest. no_row: b >= 0, solved; not_finite:
- * rounding has lost c > 0. */
+/* (LE1) Returns the row that leaves when z0 enters. c: column of z0. Ties as in (LE7), (LE8), where
+ * the last of the rows (e_i / c_i) is lexicographically smallest. Returns no_row if b >= 0
+ * (solved), not_finite if rounding has lost c > 0. */
 static int ratio_first_row(const dlsi_table *table, const double *c) {
   const int n = table->n;
   double least = INFINITY, size = 0, smallest = INFINITY;
@@ -517,8 +516,8 @@ static int ratio_first_row(const dlsi_table *table, const double *c) {
 
 typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_lost } path_end;
 
-/* Tells the user's progress function of scaled values z (n), or of those that stand for themselves;
- * returns 1 to stop, work->stopped says why. */
+/* Reports z (n) to the user's progress function; scaled: z is of the scaled problem. Returns 1 to
+ * stop, for the reason work->stopped. */
 static int lemke_report(dls_lemke *work, double residual, const double *z, int scaled) {
   const dls_limits *limits = &work->settings.limits;
   if (!limits->progress && !(limits->cpu_seconds > 0)) return 0;
@@ -533,7 +532,7 @@ static int lemke_report(dls_lemke *work, double residual, const double *z, int s
   return work->stopped != DLS_OK;
 }
 
-/* Estimates the residual while z0 > 0: about that of y - d z0 where y - d z0 < 0. */
+/* Estimates the residual while z0 > 0: z0 |d| / |q|, since y - d z0 >= -d z0. */
 static double lemke_residual_estimate(const dls_lemke *work) {
   const dlsi_table *table = &work->table;
   const size_t n = (size_t)table->n;
@@ -541,15 +540,14 @@ static double lemke_residual_estimate(const dls_lemke *work) {
   return z0 * dlsi_norm2(work->d, n) / dlsi_norm2(work->q, n);
 }
 
-/* Tells of the point of the path; estimates its residual. */
+/* Reports the point of the path, with an estimate of its residual. */
 static int path_report(dls_lemke *work) {
   if (!work->settings.limits.progress && !(work->settings.limits.cpu_seconds > 0)) return 0;
   lemke_read_values(&work->table, work->table.b, -1, work->x);
   return lemke_report(work, lemke_residual_estimate(work), work->x + work->table.n, 1);
 }
 
-/* (LE4) Exchanges row r and column s; returns the variable that left. Its complement enters
- * next. */
+/* (LE4) Pivots at row r, column s. Returns the variable that left; its complement enters next. */
 static int path_exchange(dls_lemke *work, int r, int s) {
   dlsi_table *table = &work->table;
   const int out = table->basic[r];
@@ -607,14 +605,14 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
 
 /* ---- answers --------------------------------------------------------------------------------- */
 
-/* Returns the larger one of the residual and what rounding hides: a z that ran away may have
- * residual 0. */
+/* Returns the residual, or 4 times the rounding level if that is larger: a z that has run away may
+ * have residual 0. */
 static double lemke_error(const dls_lcp_certificate *certificate) {
   const double hidden = 4 * certificate->floor;
   return hidden > certificate->residual ? hidden : certificate->residual;
 }
 
-/* Certifies max(0, z), or max(0, kappa C z) of scaled values; keeps it if it is the best so far. */
+/* Certifies max(0, z), or max(0, kappa C z) of a scaled z; keeps it if it is the best so far. */
 static void lemke_offer(dls_lemke *work, const dls_lcp *lcp, const double *z, int scaled) {
   const size_t n = (size_t)lcp->n;
   dls_lcp_certificate certificate;
@@ -644,13 +642,13 @@ static int lemke_holds(const dls_lemke *work, double tol) {
   return dls_lcp_certificate_holds(&work->best, tol);
 }
 
-/* Returns 1 if nothing better is to be expected of the best so far. */
+/* Returns 1 if the best so far holds to min(tol, 1e-12). */
 static int lemke_is_sharp(const dls_lemke *work) {
   const double tol = work->settings.limits.tol;
   return lemke_holds(work, tol < sharp ? tol : sharp);
 }
 
-/* (LE13) for a solution: returns 1 if nothing better is to be expected. */
+/* (LE13) for a solution: returns 1 if the table, or a fresh one, gives a sharp one. */
 static int lemke_accept_solution(dls_lemke *work, const dls_lcp *lcp) {
   for (int anew = 0; anew < 2; anew++) {
     if (anew && !lemke_refresh(work, lcp)) return 0;
@@ -698,7 +696,7 @@ static int lemke_accept_ray(dls_lemke *work, const dls_lcp *lcp) {
 /* ---- starts ---------------------------------------------------------------------------------- */
 
 /* Runs up to max_pivots rounds of crash.c from the basis of z, or of y if z is NULL; returns
- * path_lost if they lead nowhere. */
+ * path_lost if they find no solution. */
 static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z) {
   dlsi_crash *crash = &work->crash;
   int outcome = 0;
@@ -714,8 +712,8 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
   return path_lost;
 }
 
-/* Follows paths until one settles the problem: again with care (LE13) after an end that could not
- * be confirmed, with another covering vector after a ray that proves nothing. */
+/* Follows paths until one decides the problem. After an end that is not confirmed the path is
+ * strict (LE13). After a ray that proves nothing it has another covering vector. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
   int cover = 0;
@@ -725,7 +723,7 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
     lemke_choose_cover(work, lcp->n, cover);
     const path_end end = path_follow(work, lcp, warm);
     work->starts++;
-    if (end == path_ray && warm) continue; /* a ray of another cover than the user's */
+    if (end == path_ray && warm) continue; /* not a ray of the user's cover */
     if (end == path_ray && lemke_accept_ray(work, lcp)) {
       if (lemke_holds(work, tol)) break; /* z0 was as good as 0 */
       if (work->proved) return DLS_NO_SOLUTION;

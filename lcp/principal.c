@@ -16,22 +16,20 @@
  * and F. M. Pires, A block principal pivoting algorithm for large-scale strictly monotone linear
  * complementarity problems, Computers Oper. Res. 21 (1994).
  *
- * It ends for every P-matrix: |H| can become less than ever before n times at most; between two
- * such times there are at most block_steps block exchanges; and the exchanges of min H alone, from
- * whatever basis, meet no basis twice (Murty) and so end with H empty if not before. Exchanges of H
- * alone can cycle (data/failures/l03, l04), those of min H alone can need 2^n - 1 steps (murty-*,
- * fathi-*).
+ * It ends for every P-matrix. |H| reaches a new minimum at most n times, with at most block_steps
+ * block pivots between two minima. Pivots of min H alone meet no basis twice (Murty), so they end
+ * with H empty from any basis. Pivots of all of H alone can cycle (data/failures/l03, l04); those
+ * of min H alone can take 2^n - 1 steps (murty-*, fathi-*).
  *
- * In floating point < 0 in (PP2) means s_i z_i, y_i < -4 eps (|q| + |M||z|)_i. That bounds the
- * rounding of a zero after (PP1) has been corrected once by its residual from the user's M (Skeel).
- * A z_i = 0 that rounding makes negative beyond that leaves A, and its y_i then passes the test.
+ * In floating point < 0 in (PP2) means s_i z_i, y_i < -4 eps (|q| + |M||z|)_i. This bounds the
+ * rounding of a zero once (PP1) has been corrected by its residual from the user's M (Skeel). If
+ * rounding makes z_i = 0 more negative than that, i leaves A, and y_i then passes the test.
  *
- * M_AA is equilibrated by powers of two, which round nothing. Cholesky if M is symmetric to the
- * last bit, else LU: |A|^3/3 or 2|A|^3/3 flops per basis, n |A| for the rest. A symmetric M on
- * which Cholesky fails is no P-matrix; LU goes on with it, without promise.
+ * M_AA is equilibrated by powers of two, without rounding. Factors: Cholesky if M is symmetric to
+ * the last bit, else LU: |A|^3/3 or 2|A|^3/3 flops per basis, n |A| for the rest. If Cholesky fails
+ * on a symmetric M, M is no P-matrix; LU then continues, and may fail.
  *
- * Can fail: where M_AA is singular (a hyperstatic W), reported; where M is no P-matrix, by
- * max_iterations.
+ * Can fail: M_AA singular (a hyperstatic W) is reported; M no P-matrix may run to max_iterations.
  */
 #include <float.h>
 #include <limits.h>
@@ -60,7 +58,7 @@ struct dls_principal {
   double *s;          /* weights of the certificate, n */
   double *best;       /* z of least residual, n */
   double *work;       /* scratch, 9 n */
-  double begun;       /* CPU seconds when the solve began; -1: nobody asks */
+  double begun;       /* CPU seconds when the solve began; -1: not needed */
 };
 
 void dls_principal_settings_init(dls_principal_settings *settings) {
@@ -188,7 +186,7 @@ static int principal_solve_basis(dls_principal *work, const dls_lcp *lcp,
   return 1;
 }
 
-/* (PP2) Returns |H|; *residual := that of the basis, of its negative parts. */
+/* (PP2) Returns |H|; *residual := that of the negative parts. */
 static int principal_find_infeasible(dls_principal *work, const dls_lcp *lcp, double *residual) {
   const int n = lcp->n;
   int count = 0;

@@ -1,7 +1,7 @@
 /*
  * scale.c: scales an LCP. For positive diagonal R, C the problem (R M C, R q) has the solutions
- * C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a pivoting
- * method do.
+ * C^-1 z, R^-1 y. Positive factors do not change complementarity, but they change what the
+ * tolerances of a pivoting method mean.
  *
  * Least squares in the logarithms (Curtis and Reid, J. Inst. Maths Applics 10, 1972, 118-124):
  *
@@ -11,23 +11,22 @@
  *   (SC1) rho_i   = -mean_j( log2|M_ij| + gamma_j )
  *   (SC2) gamma_j = -mean_i( log2|M_ij| + rho_i )
  *   (SC3) rho_i += t, gamma_j -= t, so that both have the same mean
- * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the
- * same R M C. Rows or columns of zeros get the mean of the others, so that a change of units
- * moves them along. One round if M has no zero, else two: two passes over M, or three.
+ * One round is exact if M has no zero. After any number of rounds M -> a R M gives the same R M C.
+ * A row or column of zeros gets the mean of the others, so that a change of units moves it along.
+ * Rounds: one if M has no zero (two passes over M), else two (three passes).
  *
- * Entries that do nothing must not enter the mean: in a flexibility that decays along a surface
- * of n points, 2^-|i-j|/L, a row at the end would have a mean smaller than one in the middle by
- * 2^(n/4L), on which Lemke fails if the surface is long enough. Hence, as long as the largest
- * scaled entry of a row differs from row to row by more than 2^20, another round with the values
+ * Negligible entries must not enter the mean. Example: in a flexibility 2^-|i-j|/L along a surface
+ * of n points the mean of a row at the end is 2^(n/4L) smaller than in the middle, and Lemke fails
+ * if the surface is long enough. Hence, while row maxima differ by more than 2^20, another round
+ * uses the values
  *   (SC4) max( |M_ij|, 2^-10 sqrt(rowmax_i colmax_j) / 2^(rho_i + gamma_j) )
- * in place of those |M_ij| that are not 0, where rowmax and colmax are the largest
- * 2^(rho_i + gamma_j) |M_ij| of row i and column j. The bound follows a change of units as M_ij
- * does. Each such round takes two passes over M.
+ * for each |M_ij| != 0, where rowmax and colmax are the largest 2^(rho_i + gamma_j) |M_ij| of row i
+ * and column j. The bound changes with units as M_ij does. Such a round takes two passes over M.
  *
- * A round is one pass over M: gamma_j of (SC2), and the terms of column j in the sums of the next
- * (SC1) and in the row maxima of (SC4), are found while the column is in the cache. The logarithms
- * are taken of products of mantissas, one per row or column and 512 entries. Sums and products of a
- * column are formed eight at a time, in an order that the compiler can turn into vector operations.
+ * A round is one pass over M. While column j is in the cache it gives gamma_j of (SC2) and its
+ * terms in the sums of the next (SC1) and in the row maxima of (SC4). A logarithm is taken of a
+ * product of up to 512 mantissas. Sums and products of a column run in eight chains, which the
+ * compiler can vectorise.
  */
 #include <math.h>
 #include <stdint.h>
@@ -36,7 +35,7 @@
 #include "lcp_internal.h"
 
 static const double negligible = 0x1p-10; /* (SC4) */
-static const double uneven = 0x1p20;      /* (SC4): row maxima that call for another round */
+static const double uneven = 0x1p20;      /* (SC4): ratio of row maxima for another round */
 enum { max_passes = 8 };                  /* (SC4) */
 enum { chunk = 512 };                     /* mantissas in one product, which is less than 2^512 */
 
@@ -110,7 +109,7 @@ static DLSI_INLINE void scale_count(int n, const double *m, int j, const scale_s
   s->in_column[j] = scale_fold(fold_sum, n, s->scratch);
 }
 
-/* Computes L, K and the counts of the values v_ij = |M_ij|; or if `least` the L, K of the values of
+/* Computes L, K and the counts of the values v_ij = |M_ij|; if `least`, L and K of the values
  * (SC4), with a_i := sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
 DLSI_CLONES static int scale_sum_logarithms(const dls_lcp *lcp, int least, const double *gamma,
                                             const scale_sums *s) {

@@ -1,31 +1,30 @@
 /*
- * table.c: keeps the condensed table of Lemke's method, and puts its exchanges ("pivots") off.
+ * table.c: keeps the condensed table of Lemke's method and postpones its pivots.
  *
  *   x_B = b + A x_N        the n basic variables by the n + 1 others; [Chabrand 1998] (40) has the
- *                          n x (2n+1) table (I, -M, -d); A is its columns that are not unit
+ *                          n x (2n+1) table (I, -M, -d); A: its nonunit columns
  *
- * Exchanging x_B,r with x_N,s (pi = a_rs, c = column s, p = row r), [C] (47)-(48):
+ * A pivot exchanges x_B,r and x_N,s (pi = a_rs, c = column s, p = row r), [C] (47)-(48):
  *
  *   (TA1)  a_ij := a_ij - c_i p_j / pi,   a_is := c_i / pi,   a_rj := -p_j / pi,   a_rs := 1 / pi
- *   (TA2)  b_i  := b_i - c_i b_r / pi,    b_r  := -b_r / pi;  and so for g
+ *   (TA2)  b_i  := b_i - c_i b_r / pi,    b_r  := -b_r / pi;  the same for g
  *
- * (TA1) on the whole table is a rank-one update, bound by memory. Instead exchanges k = 0, 1, ..
- * are put off:
+ * (TA1) on the whole table is a rank-one update, limited by memory bandwidth. Instead, pivots
+ * k = 0, 1, .. are postponed:
  *
- *   (TA3)  A = T - U V,   u_k = c but 1 in row r_k;   v_k = p / pi_k but -1 / pi_k in column s_k
+ *   (TA3)  A = T - U V,   u_k = c with 1 in row r_k;  v_k = p / pi_k with -1 / pi_k in column s_k
  *
- * where row r_k and column s_k of T, row r_k of the u before and column s_k of the v before
- * become 0. That is (TA1) entry by entry, and cancels nowhere where (TA1) does not. V is not
- * formed while exchanges are put off: with L_kl = (u_l)_rk, l < k, taken before it became 0, and
- * L_kk = pi_k, (TA3) says
+ * where row r_k and column s_k of T, row r_k of earlier u and column s_k of earlier v become 0.
+ * (TA3) is (TA1) entry by entry, with no further cancellation. V is not formed while pivots are
+ * postponed: with L_kl = (u_l)_rk, l < k, taken before it became 0, and L_kk = pi_k, (TA3) gives
  *
- *   (TA4)  L V = rows r_0, r_1, .. of T, each as long as it was not 0 yet,  but -e_k in column s_k
+ *   (TA4)  L V = rows r_0, r_1, .. of T, each before it became 0, with -e_k in column s_k
  *
- * so that one column of A costs a triangular solve and a product with U. No row is read, which in
- * column-major order would be one cache line and one page per entry. When U is full, V for all
- * columns comes from (TA4), the diagonal blocks of L of size 16 being inverted, and T := T - U V,
- * all by dgemm. For n = 1000 and 64 exchanges (TA4) is 6 % of the time of T - U V; with dtrsm for
- * all of L it would be a third.
+ * A column of A then costs a triangular solve and a product with U. No row is read: in column-major
+ * order that would take one cache line and one page per entry. When U is full, (TA4) gives V for
+ * all columns, with inverted 16 x 16 diagonal blocks of L, and T := T - U V, all by dgemm. For
+ * n = 1000 and 64 pivots (TA4) takes 6 % of the time of T - U V; dtrsm on all of L would take a
+ * third.
  */
 #include <string.h>
 
@@ -55,8 +54,8 @@ void dlsi_table_carve(dlsi_table *table, dlsi_arena *arena, size_t n, size_t ld)
   table->where = dlsi_take(arena, 2 * n + 1, sizeof(int));
 }
 
-/* v_k := entry r_k of a, a combination of columns of T, and puts 0 in its place: gives the
- * right-hand side of (TA4) without the columns of exchanges. */
+/* v_k := entry r_k of a, a combination of columns of T, and puts 0 in its place. v becomes the
+ * right-hand side of (TA4), without the entries -e_k. */
 static void table_take_rows(const dlsi_table *table, double *a, double *v) {
   for (int k = 0; k < table->pending; k++) {
     v[k] = a[table->row[k]];

@@ -7,13 +7,13 @@
  *       W(:,J) += H_k^T X                                                                  (IN2)
  *   W := (W + W^T) / 2 if K is symmetric                                                   (IN3)
  *
- * and where the factor keeps a Schur complement on the unknowns c that H touches, instead of (IN1),
- * (IN2)
+ * If the factor keeps a Schur complement S on the unknowns c that H touches, (IN4) replaces (IN1)
+ * and (IN2):
  *
  *   Z := S^-1 = (K^-1)_cc,   W(:,j) := H_c^T (Z h_j) for each column h_j of H_c            (IN4)
  *
- * (IN2) reads just the rows that H touches, and X never exists as a whole. (IN3) leaves W exactly
- * symmetric; flexibility matrices and the host's solver are taken at their word.
+ * (IN2) reads just the rows that H touches, and X never exists as a whole. (IN3) makes W exactly
+ * symmetric. It is not applied to flexibility matrices and the host's solver.
  *
  * Cost: (IN1) one solve per column of H in each part that it loads; (IN2) nnz(H) operations per
  * column. (IN4) b^3 (2 b^3 for LU) on b unknowns, then b nnz(H) + m nnz(H). Memory: dlsi_batch
@@ -26,9 +26,8 @@
 #include "linear/dense.h"
 #include "reduction_internal.h"
 
-/* Fills X with `count` columns of H within a part. slot: place of each column in the list of the
- * part's columns, of which X begins with the one at `start`, m; unknown: those of the part, s; X: s
- * x count. */
+/* Fills X with `count` columns of H within a part, from number `start` of the part's list on.
+ * slot: place of each column in this list, m; unknown: unknowns of the part, s; X: s x count. */
 static void influence_gather(const dlsi_columns *Ht, const int *unknown, size_t s, const int *slot,
                              int start, int count, double *X) {
   memset(X, 0, s * (size_t)count * sizeof *X);

@@ -1,9 +1,9 @@
 /*
- * kept.c: what a reduction keeps of the host's model for the certificate of the body: K, the
- * weights of the contacts, the connected bodies, the loads and gaps as they were given.
+ * kept.c: the copy of the host's model that a reduction keeps for the certificate of the body: K,
+ * the weights of the contacts, the connected bodies, the given loads and gaps.
  *
- * The factor does not do: K x is a product with K itself, without the springs that hold it. Cost:
- * the entries of K, and O(entries) operations.
+ * The factor cannot replace it: K x is a product with K itself, without the springs that hold it.
+ * Cost: the entries of K, and O(entries) operations.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -8,15 +8,15 @@
  *   (MO5)  reduce them to echelon form: a 1 in unknown[k] of mode k, where the others are 0; then
  *          x = C v. unknown[k]: the row of largest norm among those of the null vectors that vanish
  *          in unknown[0..k-1] (QR of V^T with pivoting; Golub and Van Loan, Matrix Computations,
- *          5.4.2). Unlike an entry of V it is that of the null space, whichever basis rounding has
- *          given; of rows as large the first
+ *          5.4.2); the first of equal rows. The norm of a row depends only on the null space. An
+ *          entry of V depends on the basis, which rounding chooses
  *   (MO6)  after each turn of dls_reduction_balance move the feet of the springs by Broyden's
  *          method (Math. Comp. 19, 1965, 577-593, the first one) to where nothing stretches them
  *
- * (MO3) shrinks what is not in the null space by sqrt(eps) / s each time. In echelon form the modes
+ * Each (MO3) multiplies what is not in the null space by sqrt(eps) / s. In echelon form the modes
  * of a body have their 1 and their zeros on that body, so that they vanish on others.
  *
- * Cost: a factorisation, 28 solves a time. Fails: no memory, more than INT_MAX entries.
+ * Cost: one factorisation, 28 solves per turn of (MO3). Fails: no memory, over INT_MAX entries.
  */
 #include <float.h>
 #include <math.h>
@@ -29,13 +29,13 @@
 #include "linear/redundant.h"
 #include "reduction_internal.h"
 
-/* The stiffness of a spring over K_jj. (MO6) takes as many turns with 0.01 and with 1; W loses the
- * digits by which the springs are softer than K, and the loads are far from balance in the first
- * turn where the springs are stiff. */
+/* The stiffness of a spring over K_jj. 0.01 and 1 take as many turns of (MO6). Softer springs cost
+ * W digits: as many as they are softer than K. With stiffer springs the loads of the first turn are
+ * far from balance. */
 static const double soft = 0.1;
 
-/* Rows of null vectors whose squared norms differ by less are as large: null vectors are good to
- * about 1e-10. */
+/* Rows of null vectors are equally large if their squared norms differ by less. Null vectors are
+ * good to about 1e-10. */
 static const double alike = 1e-6;
 
 enum { block = dlsi_most_modes + 4, times = 5 };
@@ -127,7 +127,7 @@ static void scaled_multiply(const scaled *A, const double *V, int count, double 
 
 /* ---- the block ------------------------------------------------------------------------------- */
 
-/* Goes through modified Gram-Schmidt twice: the first turn may leave mere rounding of a column. */
+/* Runs modified Gram-Schmidt twice: the first turn may leave only rounding in a column. */
 static void modes_orthonormalise(double *V, size_t n, int count) {
   for (int c = 0; c < count; c++) {
     double *v = V + (size_t)c * n;
@@ -296,8 +296,7 @@ static dls_status modes_find(scaled *A, double *V, int count, dlsi_modes *modes,
   return DLS_OK;
 }
 
-/* Takes the basis B, after checks; its columns may be of any length and in any unit. V: n x 2
- * columns. */
+/* Takes the basis B, after checks. Its columns may have any length and unit. V: n x 2 columns. */
 static dls_status modes_take(const scaled *A, const dls_dense *B, double *V, dlsi_modes *modes,
                              dls_error *error) {
   const size_t n = (size_t)A->n;
@@ -388,8 +387,8 @@ static double follow_product(int count, const double *spring, const double *a, c
   return sum;
 }
 
-/* (MO6) After a move d that changed the stretch by e: M := M - (d + M e)(d^T S M) / (d^T S M e). A
- * stretch that has not shrunk starts again from M = 1, the step of the proximal point method. */
+/* (MO6) After a move d that changed the stretch by e: M := M - (d + M e)(d^T S M) / (d^T S M e). If
+ * the stretch has not shrunk, M := 1: the step of the proximal point method. */
 static void follow_learn(dlsi_follow *follow, int count, const double *spring,
                          const double *stretch) {
   const size_t n = (size_t)count;

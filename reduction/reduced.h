@@ -1,4 +1,4 @@
-/* reduced.h: what the front needs of a reduction to go on with the problem on K itself. */
+/* reduced.h: gives the front what it needs of a reduction to solve the problem on K itself. */
 #ifndef DLSI_REDUCED_H
 #define DLSI_REDUCED_H
 
@@ -20,8 +20,8 @@ typedef struct dlsi_reduced {
 
 dlsi_reduced dlsi_reduction_body(dls_reduction *reduction);
 
-/* Keeps an object that belongs to these values of K and H until the next update, or on K until
- * destroy. */
+/* Keeps an object that belongs to these values of K and H: until the next update, or without W
+ * until destroy. */
 void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *));
 
 #endif

@@ -1,8 +1,8 @@
 /*
  * reduction.c: W = H^T K^-1 H and q = H^T K^-1 f + P^T g, and back: x = K^-1 (f + H r).
  *
- * Source: [Jean 1988] (3.3)1-6, with the weighting of 4.4. His W_nn, W_nt, W_tn, W_tt come out
- * interleaved, in local order per candidate. The unknowns are M r, so that H = L P without his M.
+ * Source: [Jean 1988] (3.3)1-6, with the weighting of 4.4. Here his W_nn, W_nt, W_tn, W_tt are
+ * interleaved, in local order per contact. The unknowns are M r, so that H = L P without his M.
  *
  *   (RE1)  build H = L P by rows, without what the scene does not need         (operator.c)
  *   (RE2)  take redundant joints out of K             (src/linear/redundant.c),
@@ -10,9 +10,9 @@
  *   (RE3)  factor K                                                            (factor.c)
  *   (RE4)  form W                                                              (influence.c)
  *
- * An indefinite K whose Schur complement cannot be had is factored as a whole. A singular K is
- * searched for rigid-body modes, and goes back to (RE2) or is reported with them. A K that is not
- * positive definite goes back to (RE3) as DLS_LDLT or is reported.
+ *   K indefinite, its Schur complement fails    factor K as a whole
+ *   K singular                                  look for modes; (RE2), or report them
+ *   K not positive definite                     (RE3) as DLS_LDLT, or report it
  *
  * Memory: m^2 + O(n + nnz H) doubles beside the factor. Load, recover, balance: one solve each.
  */
@@ -49,7 +49,7 @@ struct dls_reduction {
   dlsi_kept kept; /* for the certificate of the body */
   int *
       redundant; /* info.redundant: the multipliers of redundant joints, whose loads are left out */
-  void *companion; /* of src/front/body.c, NULL for none, and how to end it */
+  void *companion; /* of src/front/body.c, or NULL, and how to end it */
   int is_stale;    /* 1: the companion has the values before the last update */
   void (*companion_destroy)(void *);
   double *mu; /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
@@ -109,7 +109,7 @@ static dls_status reduction_allocate(dls_reduction *work, dls_error *error) {
   return DLS_OK;
 }
 
-/* Foresees what the factor and W take. */
+/* Estimates the memory of the factor and W. */
 static void reduction_foresee(dls_reduction *work) {
   dls_reduction_info *info = &work->info;
   const double m = (double)work->m, n = (double)work->n, b = work->factor->kept;
@@ -132,8 +132,8 @@ static dls_status reduction_limit(const dls_reduction *work, dls_error *error) {
 
 /* ---- factor (RE2), (RE3) --------------------------------------------------------------------- */
 
-/* Lays K out, if that has not been done. A Schur complement on far more unknowns than H has columns
- * would be dearer than solving for these. */
+/* Lays K out, if that has not been done. If H touches far more unknowns than it has columns, to
+ * solve for the columns costs less than a Schur complement. */
 static dls_status reduction_analyse(dls_reduction *work, const dls_model *model, dls_error *error) {
   if (work->factor) return DLS_OK;
   const dlsi_operator *H = &work->H;
@@ -170,9 +170,8 @@ static dls_status reduction_factor_once(dls_reduction *work, const dls_model *mo
   return status ? status : dlsi_factor_numeric(work->factor, model, error);
 }
 
-/* Returns 1 if the Schur complement is not to be had, or spoilt, because K without the unknowns
- * that H touches is (nearly) singular: multipliers that tie such unknowns. A definite K has it
- * always. */
+/* Returns 1 if the Schur complement does not exist or is inaccurate: K without the unknowns that H
+ * touches is (nearly) singular, as multipliers tie such unknowns. A definite K always has it. */
 static int reduction_schur_fails(const dls_reduction *work, dls_factorization factorization,
                                  dls_status status) {
   if (!work->factor || work->factor->kept == 0 || factorization == DLS_CHOLESKY) return 0;
@@ -180,9 +179,9 @@ static int reduction_schur_fails(const dls_reduction *work, dls_factorization fa
          (!status && !(dlsi_schur_measured(work->factor->schur)->error <= 1000 * DBL_EPSILON));
 }
 
-/* Adds springs to K: at the unknowns of the modes, or at all unknowns where more modes than these
- * were found. spring: dlsi_most_modes, scratch. The caller calls dlsi_stable_free, also after an
- * error. */
+/* Adds springs to K: at the unknowns of the modes, or at all unknowns if there are more than
+ * dlsi_most_modes modes. spring: dlsi_most_modes, scratch. The caller calls dlsi_stable_free, also
+ * after an error. */
 static dls_status reduction_hold(const dls_reduction *work, const dls_model *model, double *spring,
                                  dlsi_stable *stable, dls_error *error) {
   if (!work->held) return dlsi_stable_create(stable, model, &work->modes, spring, error);
@@ -236,7 +235,7 @@ static dls_status reduction_report_modes(const dls_model *model, const dlsi_mode
       list, modes->count > 6 ? ", .." : "", modes->count > 1 ? "them" : "it");
 }
 
-/* Attempts, and where K asks for it looks for modes and for another factorisation. */
+/* Attempts. If K asks for it, looks for modes and tries another factorisation. */
 static dls_status reduction_search(dls_reduction *work, const dls_model *model, dls_error *error) {
   dls_error first = {0};
   dls_status status = reduction_attempt(work, model, &first);
@@ -290,7 +289,7 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
     work->info.joints = apart.joints;
     work->info.redundant = apart.count;
     if (apart.joints && model->factorization == DLS_CHOLESKY && work->settings.allow_indefinite)
-      work->info.indefinite = 1; /* not worth an attempt */
+      work->info.indefinite = 1; /* Cholesky would fail */
     status = reduction_search(work, &apart.model, error);
   }
   dlsi_apart_free(&apart);
@@ -326,7 +325,7 @@ static dls_status reduction_keep_K(dls_reduction *work, const dls_model *model, 
                    "is K, which a flexibility or a host's solver does not have");
 }
 
-/* Computes all that depends on values, but H. */
+/* Computes all that depends on values, except H. */
 static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dls_error *error) {
   work->ready = 0;
   dlsi_kept_free(&work->kept);
@@ -710,8 +709,8 @@ dls_status dls_reduction_contact(const dls_reduction *reduction, const double *m
   return dlsi_at(__func__, reduction_contact(reduction, mu, problem, error), error);
 }
 
-/* Solves work->x := K^-1 (f + H r), f = 0 where the host gave K^-1 f, by the backward half of a
- * solve, after the forward half if the factor does not hold it. */
+/* Solves work->x := K^-1 (f + H r), with f = 0 if the host gave K^-1 f: the backward half of a
+ * solve. The forward half runs first if the factor does not hold it. */
 static dls_status reduction_expand(dls_reduction *work, const double *r, dls_error *error) {
   const dlsi_columns *Ht = &work->H.Ht;
   const dlsi_factor *factor = work->factor;
@@ -732,7 +731,7 @@ static dls_status reduction_expand(dls_reduction *work, const double *r, dls_err
   return status;
 }
 
-/* Solves work->x := K^-1 (f + H r), with the springs' feet at c: s_k e_k stretches to b_k alone. */
+/* Solves work->x := K^-1 (f + H r + sum_k s_k c_k e_k): springs with feet at c, as in balance. */
 static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_error *error) {
   const dlsi_columns *Ht = &work->H.Ht;
   const int *unknown = work->factor->unknown;

@@ -2,9 +2,9 @@
  * reduction_internal.h: declares what the files of reduction/ share, and the contract of the
  * back-ends.
  *
- * A back-end presents K as a direct sum: renumbering the unknowns makes K block diagonal, with
+ * A back-end presents K as a direct sum: in the order of the parts K is block diagonal, with
  * `parts` blocks that nothing couples. Dense matrices, the host's solver, and a sparse K that goes
- * to MUMPS have one part. A position is the number of an unknown in the order of the parts.
+ * to MUMPS have one part. A position is the number of an unknown in this order.
  */
 #ifndef DLSI_REDUCTION_H
 #define DLSI_REDUCTION_H
@@ -18,9 +18,9 @@
 
 enum {
   dlsi_batch = 64,         /* most right-hand sides in one solve; more are not faster */
-  dlsi_small_part = 250,   /* unknowns of a sparse K for which a dense factor is faster, ... */
-  dlsi_tiny_part = 25,     /* ... of one that is definite, in ... */
-  dlsi_few_parts = 4,      /* ... up to so many parts: the Schur complement fills its square */
+  dlsi_small_part = 250,   /* up to so many unknowns a dense factor of a sparse K is faster ... */
+  dlsi_tiny_part = 25,     /* ... than the Schur complement; if K is definite and has at most ... */
+  dlsi_few_parts = 4,      /* ... few_parts parts, up to tiny_part */
   dlsi_largest_part = 8000 /* most unknowns of such a part in a build without MUMPS: 0.5 GB */
 };
 
@@ -32,7 +32,7 @@ typedef struct dlsi_factor {
   int *first;     /* parts + 1: part k owns the positions first[k] .. first[k+1]-1 */
   int *unknown;   /* n: the unknown at each position; ascending within a part */
   int *place;     /* n: the position of each unknown */
-  int symmetric;  /* 1: K^-1 is symmetric, whatever the rounding of a solve */
+  int symmetric;  /* 1: K^-1 is symmetric up to the rounding of a solve */
   size_t scratch; /* doubles of `work` for a solve, per unknown and right-hand side: 0 or 1 */
 
   dls_operator kind;
@@ -42,13 +42,13 @@ typedef struct dlsi_factor {
   int kept;          /* unknowns of the Schur complement */
   size_t entries;    /* of A */
   double *A;         /* matrices or factors of the parts, one after the other */
-  size_t *start;     /* parts: where each of them begins in A */
+  size_t *start;     /* parts: where each of them starts in A */
   double *row, *col; /* n, by position: powers of two; diag(row) K diag(col) is factored */
   int *pivot;        /* n, by position: row exchanges of LU */
   dls_solve_fn solve;
   void *user;
   void *memory;      /* of all arrays but A */
-  dlsi_watch *watch; /* the caller's: looks on in numeric and dlsi_influence; NULL: nobody */
+  dlsi_watch *watch; /* the caller's, for numeric and dlsi_influence; or NULL */
 } dlsi_factor;
 
 /* Lays out and analyses the operator of a model that has passed dlsi_check_model; *out = NULL on
@@ -57,7 +57,7 @@ typedef struct dlsi_factor {
 dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int count, const int *keep,
                               dls_error *error);
 
-/* Foresees factor_bytes, bytes (most in use while factoring) and flops of the layout. */
+/* Estimates factor_bytes, bytes (most in use while factoring) and flops of the layout. */
 void dlsi_factor_estimate(const dlsi_factor *factor, dls_reduction_info *info);
 
 /* Compares the pattern of a sparse K of the same size. DLS_E_ARGUMENT naming Ks if it differs. */
@@ -69,8 +69,8 @@ dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, d
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error);
 
 /* Solves X := K_part^-1 X. X: size of the part x nrhs, column-major without gaps, nrhs <=
- * dlsi_batch. work: scratch, factor->scratch * size * nrhs. Allocates nothing but what schur.h
- * does. DLS_E_CALLBACK, DLS_E_MEMORY; X is then undefined. */
+ * dlsi_batch. work: scratch, factor->scratch * size * nrhs. Only schur.h allocates.
+ * DLS_E_CALLBACK, DLS_E_MEMORY; X is then undefined. */
 dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int nrhs, double *work,
                              dls_error *error);
 
@@ -108,22 +108,22 @@ typedef struct dlsi_modes {
   int *unknown;  /* count: column k has a 1 in unknown[k], where the other columns have 0 */
 } dlsi_modes;
 
-/* Finds the null space of a checked stiffness, dense or sparse, count 0 if there is none; or, where
- * given.a is not NULL, takes that basis, which must consist of null vectors of K (DLS_E_ARGUMENT
- * naming the column). The caller calls dlsi_modes_free, also after an error. DLS_E_MEMORY. */
+/* Finds the null space of a checked stiffness, dense or sparse; count 0 if there is none. If
+ * given.a is not NULL, takes that basis: its columns must be null vectors of K (DLS_E_ARGUMENT
+ * names the column). The caller calls dlsi_modes_free, also after an error. DLS_E_MEMORY. */
 dls_status dlsi_modes_create(dlsi_modes *modes, const dls_model *model, dls_dense given,
                              dls_error *error);
 void dlsi_modes_free(dlsi_modes *modes);
 
-/* What the feet of the springs have learnt from one turn of the balance to the next. */
+/* What the springs' feet keep from one turn of the balance to the next. */
 typedef struct dlsi_follow {
   int learnt, turned; /* 1: M is not the unit matrix; 1: stretch and move are those of a turn */
   double M[dlsi_most_modes * dlsi_most_modes]; /* column-major, leading dimension = modes */
   double stretch[dlsi_most_modes], move[dlsi_most_modes];
 } dlsi_follow;
 
-/* Finds where the feet move next: move := M stretch, M by Broyden's method (modes.c). spring: the
- * stiffnesses; stretch: x_j - c_j; move: receives what c has to be changed by; count each. */
+/* Computes the next move of the feet: move := M stretch, M by Broyden's method (modes.c). spring:
+ * stiffnesses; stretch: x_j - c_j; move: receives the change of c; count each. */
 void dlsi_follow_step(dlsi_follow *follow, int count, const double *spring, const double *stretch,
                       double *move);
 

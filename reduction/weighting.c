@@ -1,15 +1,15 @@
 /*
  * weighting.c: the weighting P of a contact line, [J] 4.4 example 2, for any spacing.
  *
- *   chi_j  = 1 on the dual cell of candidate j: half of the segment a before its node, half of
+ *   chi_j  = 1 on the dual cell of contact j: half of the segment a before its node, half of
  *            b after it
  *   M_j    = integral of chi_j = (a + b) / 2
  *   P_ij   = (1 / M_j) integral of hat_i chi_j
  *
  * On the half segment next to node j, hat_j runs from 1 to 1/2 and the neighbour's from 0 to 1/2:
  * their integrals are 3 a/8 and a/8. Hence (1/4) a/(a+b), 3/4, (1/4) b/(a+b); a = 0 at the first
- * node of the surface, b = 0 at the last. A neighbour that is no candidate takes its share all the
- * same: the print of the paper, whose two ends are candidates, does not show this case.
+ * node of the surface, b = 0 at the last. A neighbour that is no candidate takes its share, too.
+ * The paper does not show this case: both ends of its print are candidates.
  */
 #include <limits.h>
 #include <math.h>

@@ -7,45 +7,44 @@
  *   B(r) = { -u :  0 <= u_n _|_ r_n >= 0,  |r_t| <= mu r_n,  u_t = -alpha r_t, alpha >= 0, and
  *                  u_t = 0 where |r_t| < mu r_n }
  *
- * Douglas and Rachford's splitting takes the two in turn, each by its resolvent in the metric
- * rho D, D = diag(w_c) with the weights of the certificate, rho > 0 without unit:
+ * Douglas and Rachford's splitting applies the resolvents of B and A in turn, in the metric rho D:
+ * D = diag(w_c) has the weights of the certificate, rho > 0 has no unit.
  *
  *   (AD1)  z = (I + (rho D)^-1 B)^-1 v:  z_n = max(v_n, 0), z_t = v_t put on the disc |.| <= mu z_n
  *   (AD2)  x = (I + (rho D)^-1 A)^-1 (2 z - v):     (W + rho D) x = rho D (2 z - v) - q
  *   (AD3)  u = rho D (2 z - v - x)                  which is W x + q
- *   (AD4)  v := v + 1.6 (x - z)                     over-relaxed; 1 in the place of 1.6 is ADMM
+ *   (AD4)  v := v + 1.6 (x - z)                     over-relaxed; 1 for 1.6 is ADMM
  *
- * (AD1) is exact: it asks for a z that the law joins to the displacement y = rho D (z - v). There,
- * z_n - v_n >= 0 is complementary to z_n >= 0, whatever the friction: max(v_n, 0). With z_n known,
- * z_t - v_t is opposed to z_t, and zero inside the disc: the projection of v_t. It has one
- * solution, the metric being the same multiple of I for all of a candidate. No projection on the
- * cone with a lagged mu |u_t|, as the symmetric form of the law needs it, stands in between. Where
- * x = z, u = y: the law and u = W r + q hold together.
+ * (AD1) is exact. It asks for a z that the law joins to the displacement y = rho D (z - v). There
+ * z_n - v_n >= 0 is complementary to z_n >= 0 for any friction: z_n = max(v_n, 0). With z_n known,
+ * z_t - v_t is opposed to z_t, and zero inside the disc: z_t is the projection of v_t. The solution
+ * is unique because the metric is a multiple of I for each contact. The symmetric form of the law
+ * would need a projection with a lagged mu |u_t|; this form does not. If x = z, then u = y, and the
+ * law and u = W r + q hold together.
  *
- *   (AD5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
- *          since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
- *          changes rho by more than sqrt(5). Where the residual has not halved, rho may be wrong,
- *          and nothing says on which side: both are tried, farther and farther, rho / 10, 10 rho,
- *          rho / 100, .., inside of 1e-8 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and
- *          y. One factorisation.
+ *   (AD5)  rho is checked after 20, 40, 80, .. iterations. If the least residual has halved since
+ *          the last check, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before,
+ *          if that changes rho by more than sqrt(5). If it has not halved, rho may be too large or
+ *          too small: rho / 10, 10 rho, rho / 100, .. are tried. 1e-8 <= rho <= 100. Then
+ *          v := z - (rho_old / rho) (z - v), which keeps z and y. One factorisation.
  *   (AD6)  The next v by Anderson's acceleration of (AD4) (anderson.c), in the norm |.|.
- *   (AD7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is
- *          taken back: v := (AD4) of the v before, and the history is forgotten.
+ *   (AD7)  If an accelerated v has more than twice the |x - z| of the v before, the step is undone:
+ *          v := (AD4) of the v before, and the history is cleared.
  *
- * (AD3) gives the certificate's residual of x without a product with W; the certificate itself is
- * recomputed from W and q before "solved" is said.
+ * (AD3) gives the certificate's residual of x without a product with W. Before "solved" is
+ * returned, the certificate is recomputed from W and q.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979, for monotone A and B. (AD5)
  * balances |x - z| against the change of z, as Boyd et al., Found. Trends Mach. Learn. 3, 2011,
- * 3.4.1; the doubled intervals bound the factorisations, to 9 in 5000 iterations. Start: v = 0, or
+ * 3.4.1; the doubled intervals allow 9 factorisations in 5000 iterations. Start: v = 0, or
  * warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if they meet the law.
  *
  * Cost: per rho a factorisation, m^3 / 3 dense (2/3 m^3 for an unsymmetric W); per iteration a
- * solve with it, 2 m^2, and O(m). What can fail: with mu = 0 or given friction thresholds, and W +
- * W^T positive semidefinite, B and A are monotone and the plain iteration converges from anywhere.
- * Coulomb's B is not: it can cycle at large mu, and converges slowly where a singular W meets slip.
- * (AD5) and (AD6) cure most of that and prove nothing. Where there is no solution, v runs away
- * until the limit of iterations.
+ * solve with it, 2 m^2, and O(m). What can fail: if mu = 0 or thresholds of friction are given, and
+ * W + W^T is positive semidefinite, B and A are monotone and the plain iteration converges from
+ * anywhere. Coulomb's B is not monotone: the iteration can cycle at large mu, and converges slowly
+ * if a singular W meets slip. (AD5) and (AD6) cure most of that and prove nothing. If there is no
+ * solution, v runs away until the limit of iterations.
  */
 #include <float.h>
 #include <limits.h>
@@ -70,14 +69,14 @@ static const double admm_relaxation = 1.6, admm_growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
 static const double least_rho = 1e-8, most_rho = 100;
 
-/* First rho of the second way of auto: so small that the first x is nearly the smallest r with
- * W r = -q. */
+/* First rho of a cold solve in auto: so small that the first x is nearly the smallest r with W r =
+ * -q. */
 static const double other_rho = 1e-8;
 
 struct dls_admm {
   dls_admm_settings settings;
   int d, nc;
-  int stage;              /* of auto: its cold solves go another way, from v = 0 */
+  int stage;              /* of auto: cold solves begin with other_rho */
   dlsi_iterate it;        /* its u is that of x */
   double *metric;         /* sqrt(w), scaled so that |metric v| has no unit: nc */
   double *v, *z, *before; /* before: z': m */
@@ -88,7 +87,7 @@ struct dls_admm {
   dlsi_dense dense; /* else: factors of W + rho D */
   int *pivot;       /* m */
   int *p;           /* starts of the columns of the sparse matrix: m + 1 */
-  dlsi_room *room;  /* of the matrix: `own`, or that of the caller */
+  dlsi_room *room;  /* of the matrix: `own`, or the caller's */
   dlsi_room own;
   dlsi_formed formed; /* W of bodies by blocks */
 };
@@ -111,7 +110,7 @@ static void admm_carve(void *workspace, dlsi_arena *arena) {
   work->p = dlsi_take(arena, m + 1, sizeof *work->p);
 }
 
-/* Makes room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks. */
+/* Makes room for the matrix of nc contacts, W dense (blocks = 0) or in `blocks` blocks. */
 static dls_status admm_reserve(dls_admm *work, int nc, int blocks, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)nc;
   work->sparse = blocks && m > dense_limit;
@@ -135,7 +134,7 @@ static dls_status admm_create(void **out, int d, int nc, const dls_admm_settings
   work = *out;
   work->room = options->room ? options->room : &work->own;
   status = admm_reserve(work, nc, s->limits.blocks, &why);
-  if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK; /* a solve of many blocks says so */
+  if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK; /* a solve of many blocks reports it */
   if (error) *error = why;
   dls_admm_destroy(work);
   *out = NULL;
@@ -209,8 +208,8 @@ static dls_sparse admm_build_sparse(dls_admm *work, const dls_contact *problem, 
   return (dls_sparse){m, m, work->p, row, value};
 }
 
-/* Factorises W + rho D. Where it is singular, which few rho can make it, rho is doubled;
- * DLS_E_SINGULAR if that does not help. *done counts. */
+/* Factorises W + rho D. If it is singular, as for few rho, rho is doubled; DLS_E_SINGULAR if that
+ * does not help. *done counts factorisations. */
 static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double *rho, int *done,
                               dls_error *error) {
   for (int k = 0; k <= most_doublings; k++, *rho *= 2) {
@@ -257,7 +256,7 @@ static dls_status admm_solve_linear(dls_admm *work, const dls_contact *problem, 
   return status;
 }
 
-/* Estimates the residuals of the certificate of x from the u at hand. */
+/* Estimates the residuals of the certificate of x from the u of (AD3). */
 static void admm_estimate(const dls_admm *work, const dls_contact *problem, dls_certificate *now) {
   const dlsi_iterate *it = &work->it;
   const double unit = it->w[0],
@@ -289,8 +288,8 @@ static double admm_distance(dls_admm *work, const dls_contact *problem, const do
   return dlsi_norm2(work->it.F, m);
 }
 
-/* metric := D^1/2 / |D^-1/2 q|; q != 0. Takes the roots of w over the largest w: a change of units
- * by an odd power of two, whose root is rounded, then changes no bit. */
+/* metric := D^1/2 / |D^-1/2 q|; q != 0. Takes roots of w / max w: then a change of units by an odd
+ * power of two, whose root is rounded, changes no bit. */
 static void admm_set_metric(dls_admm *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   const double most = dlsi_max_abs(work->it.w, m / d);
@@ -306,12 +305,12 @@ static void admm_set_metric(dls_admm *work, const dls_contact *problem) {
 /* State of (AD5). */
 typedef struct admm_schedule {
   double rho;
-  double jump;     /* next factor where the residual stands still */
-  double residual; /* smallest one at the last look */
-  int look;        /* iteration of the next look */
+  double jump;     /* next factor if the residual has not halved */
+  double residual; /* smallest one at the last check */
+  int look;        /* iteration of the next check */
 } admm_schedule;
 
-/* Returns the rho that (AD5) asks for. gap = |x - z|; residual: the smallest so far. */
+/* Returns the next rho by (AD5). gap = |x - z|; residual: the smallest so far. */
 static double admm_next_rho(dls_admm *work, const dls_contact *problem, double gap, double residual,
                             admm_schedule *s) {
   const int moves = residual <= s->residual / 2;
@@ -328,7 +327,7 @@ static double admm_next_rho(dls_admm *work, const dls_contact *problem, double g
   return rho > most_rho ? most_rho : rho < least_rho ? least_rho : rho;
 }
 
-/* (AD5) Goes on with rho from the same z and y. DLS_E_SINGULAR, DLS_E_MEMORY. */
+/* (AD5) Changes rho and keeps z and y. DLS_E_SINGULAR, DLS_E_MEMORY. */
 static dls_status admm_change_rho(dls_admm *work, const dls_contact *problem, double rho,
                                   admm_schedule *s, int *factorisations, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
@@ -359,13 +358,13 @@ static void admm_advance(dls_admm *work, const dls_contact *problem, double gap,
   (void)dlsi_anderson_step(history, (int)m, work->it.F, work->v, NULL);
 }
 
-/* Returns 1 if a solve starts from r as given, and not from v = 0. */
+/* Returns 1 if a solve starts from the given r, 0 if from v = 0. */
 static int admm_is_warm(const dls_admm *work) {
   return work->settings.limits.warm_start;
 }
 
-/* Iterates from work->first, measured last, until the certificate of an x holds or there is a
- * reason to stop, which is returned. */
+/* Iterates from work->first, measured last, until the certificate of an x holds. Returns DLS_OK, or
+ * the reason to stop before. */
 static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_info *outcome,
                                dls_error *error) {
   const dls_limits *limits = &work->settings.limits;

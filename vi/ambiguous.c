@@ -1,25 +1,25 @@
 /*
- * ambiguous.c: which candidates have several solutions, the reactions of all others given.
+ * ambiguous.c: counts contacts with several solutions for given reactions of all others.
  *
- *   u_c = W_cc s + p,   p = u_c - W_cc r_c,   s by the law of contact and friction of candidate c
+ *   u_c = W_cc s + p,   p = u_c - W_cc r_c,   s by the law of contact and friction of contact c
  *
- * Two looks, the first at W_cc and mu alone: below a bound of mu there is one s whatever p is. For
- * a candidate beyond it dlsi_local_count (local.c) counts the solutions for the p at hand.
+ * Two tests. The first looks at W_cc and mu alone: below a bound of mu there is one s for every p.
+ * Above the bound dlsi_local_count (local.c) counts the solutions for the given p.
  *
- * The solution of the whole problem may still be one, or be several where no candidate has two:
- * unique.c looks at that. Cost: O(nc). What can fail: where rounding decides, a candidate is left
- * to the count, which leaves double roots out.
+ * The whole problem may still have one solution, or several although no contact has two: see
+ * unique.c. Cost: O(nc). What can fail: if rounding decides the first test, the count follows,
+ * which omits double roots.
  */
 #include <math.h>
 #include <stddef.h>
 
 #include "vi_internal.h"
 
-static const double unsymmetric = 1e-9; /* of the Schur complement, which margins of 1 % outweigh */
+static const double unsymmetric = 1e-9; /* of the Schur complement: far below the 1 % margin */
 
-/* Returns 1 if a candidate with this W_cc (d x d) has one solution by itself whatever q is: W_cc
- * symmetric up to rounding, positive definite, and mu below the bound (DG4) of
- * src/front/diagnose.c by a margin that rounding does not use up. */
+/* Returns 1 if a contact with this W_cc (d x d) has one solution for every q: W_cc is symmetric up
+ * to rounding and positive definite, and mu is below the bound (DG4) of src/front/diagnose.c by a
+ * margin above rounding. */
 static int has_one_solution(int d, const double *W, double mu) {
   if (d == 1) return W[0] > 0;
   double a[2] = {W[d], d == 3 ? W[6] : 0}, x[2], most; /* W_nt; W_nt W_tt^-1; largest eigenvalue */

@@ -8,7 +8,7 @@
  *   r_n = < lambda_n - eps u_n >                                                          (32)
  *   r_t = tau put on the disc of radius mu r_n,   tau = lambda_t - eps u_t          (33), (34)
  *
- * The regularised problem is u = W r + q with this r; lambda := r after it is (35), (36).
+ * The regularised problem is u = W r + q with this r; then lambda := r, (35), (36).
  *
  * It is the proximal point method. Put v = u + (r - lambda) / eps. Then lambda - eps u = r - eps v,
  * and (32)-(34) read r_n = < r_n - eps v_n >, r_t = r_t - eps v_t put on the disc of radius mu r_n.
@@ -17,42 +17,42 @@
  *
  *   v = (W + E) r + (q - E lambda),   E = diag(1 / eps_c),
  *
- * with eps_c = 1 / (alpha w_c) the step W + alpha D, q - alpha D lambda of the proximal point
- * method, D = diag(w_c). E > 0 makes a singular W regular and calms cycles. One augmentation:
+ * which for eps_c = 1 / (alpha w_c) is the step W + alpha D, q - alpha D lambda of that method, D =
+ * diag(w_c). E > 0 makes a singular W regular and damps cycles. One augmentation:
  *
  *   (AU1)  A = W + s E,   b = q - s E lambda
  *   (AU2)  x = the solution of v = A x + b: newton.c from lambda, that is up to 20 sweeps of
  *          Gauss-Seidel, then Newton steps
- *   (AU3)  lambda := x  if (AU2) succeeded, or if x has half the residual of lambda, W and q given
- *   (AU4)  s := 0.2 s   as long as (AU2) has never failed, then 0.8 s, after each failure 2 s;
- *          1e-7 <= s <= 1e3, from s = 1; only if adaptive
+ *   (AU3)  lambda := x  if (AU2) succeeded, or if x halves the residual of lambda for W and q
+ *   (AU4)  if adaptive:  s := 2 s    if (AU2) failed;   0.8 s  if it has failed before;
+ *                        0.2 s  else;  from s = 1, 1e-7 <= s <= 1e3
  *
- * (AU2) is asked for both parts of a residual of a thousandth of lambda's, and not for less than a
- * tenth of what is wanted in the end; in the last augmentation allowed, for this tenth. One
- * augmentation from lambda = 0 is the penalty method; its r is off by about E r.
+ * Target of (AU2), for both parts of the residual: 1/1000 of the residual of lambda, but at least
+ * 1/10 of the final target; in the last augmentation allowed, that 1/10. One augmentation from
+ * lambda = 0 is the penalty method; its r is off by about E r.
  *
- * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (AU2) failed and s
- * may not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down
- * by a tenth; or 10 times running, failures of (AU2) not counted,
+ * Stop: the certificate of x for the user's W and q holds. DLS_STALLED: (AU2) failed while s was
+ * fixed, or while s was at its bound and lambda stayed; or 150 augmentations reduced the residual
+ * by less than 10 %; or 10 times in a row, failures of (AU2) not counted,
  *
  *   (AU5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (AU2),
- *          |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
- *          delta without end. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ *          in the norms |D^-1/2 u| and |D^1/2 r|. Without a solution lambda grows along such a
+ *          delta without end. It seldom does so on its way to a far solution: hence 10.
  *
  * A warm start for which W r overflows is dropped.
  *
- * Source: [Chabrand 1998] 4.1. Slips there: with Delta xi = f_s / eps_T as printed, (34) must take
- * eps_T Delta xi off, as (31) says; in (36) that makes lambda_t the r_t of (34). (33)'s increments
- * add up to lambda_t - eps u_t with u_t the whole slip of the step. Deviations: the unknown of
- * Newton's method is r, not the displacement: the same solution, and a large eps does not spoil the
- * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (AU4): of
- * eps the paper says that it needs precautions; too small an s fails in (AU2), too large a one
+ * Source: [Chabrand 1998] 4.1. Errors there: with Delta xi = f_s / eps_T as printed, (34) must
+ * subtract eps_T Delta xi, as in (31); (36) then makes lambda_t the r_t of (34). The increments of
+ * (33) add up to lambda_t - eps u_t, u_t the whole slip of the step. Deviations: Newton's unknown
+ * is r, not the displacement: the solution is the same, and a large eps does not spoil the
+ * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. Schedule (AU4): the
+ * paper says of eps that it needs precautions; too small an s fails in (AU2), too large an s
  * converges slowly.
  *
- * Cost of an augmentation: up to 20 sweeps, and 0 to 30 Newton steps, an LU of the unknowns each.
- * What can fail: (AU2), for every s, where friction makes even W + s E cycle, or W is indefinite.
- * Nothing guarantees that the augmentations converge with friction; without, and with W positive
- * semidefinite, they do.
+ * Cost of an augmentation: up to 20 sweeps, and 0 to 30 Newton steps, each an LU of the unknowns.
+ * What can fail: (AU2) for every s, if friction makes even W + s E cycle, or W is indefinite. With
+ * friction convergence is not guaranteed. Without friction, and with W positive semidefinite, the
+ * augmentations converge.
  */
 #include <float.h>
 #include <math.h>
@@ -72,7 +72,7 @@ struct dls_augmented {
   dls_augmented_settings settings;
   int d, nc;
   dls_method method;      /* DLS_PENALTY: one augmentation, from r = 0 */
-  int stage;              /* of auto: from r as given */
+  int stage;              /* of auto: from the given r */
   int escaped;            /* 1: `direction` holds one that (AU5) accepted */
   dlsi_iterate it;        /* its u is that of x */
   double *penalty;        /* eps_c as given, if settings.penalty: nc */
@@ -162,7 +162,7 @@ const double *dls_augmented_direction(const dls_augmented *workspace) {
 
 /* ---- one augmentation ------------------------------------------------------------------------ */
 
-/* (AU1), (AU2) x from lambda; DLS_OK if its residual is <= target in units of |q|, q the user's. */
+/* (AU1), (AU2) Computes x from lambda; DLS_OK if its residual is <= target for the user's |q|. */
 static dls_status augmented_regularise(dls_augmented *work, const dls_contact *problem, double s,
                                        double target, int *factorisations, dls_error *error) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
@@ -174,7 +174,7 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
   dls_contact regularised = *problem;
   regularised.q = work->b;
   memcpy(work->x, work->lambda, m * sizeof *work->x);
-  /* |F| <= target |q|; of forces the residual is relative to |x| as ever */
+  /* |F| <= target |q|; the force residual stays relative to |x| */
   const double share = size_b > size_q ? size_q / size_b : 1;
   const dls_limits limits = {.tol = target * share,
                              .warm_start = 1,
@@ -189,7 +189,7 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
 }
 
 /* (AU5) delta := x - lambda, its largest entry +-1. Returns 1 if the reactions run away along it.
- * Scratch: the arrays of it but best. */
+ * Scratch: all arrays of `it` except best. */
 static int augmented_escapes(const dls_augmented *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *delta = work->delta, *v = work->it.u;
@@ -220,8 +220,8 @@ static const char *augmented_name(const dls_augmented *work) {
   return work->method == DLS_PENALTY ? "penalty" : "augmented-lagrangian";
 }
 
-/* Augments from lambda, measured last, until the certificate holds or there is a reason to stop,
- * which is returned. */
+/* Augments from lambda, measured last, until the certificate holds. Returns DLS_OK, or the reason
+ * to stop before. */
 static dls_status augmented_iterate(dls_augmented *work, const dls_contact *problem,
                                     dls_info *outcome, dls_error *error) {
   const dls_augmented_settings *settings = &work->settings;
@@ -232,8 +232,8 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
       work->method == DLS_PENALTY ? 1 : dlsi_most_iterations(limits, most_augmentations);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double s = 1, residual = best->residual, milestone = residual;
-  int failed = 0;               /* 1: some (AU2) did */
-  int passed = 0, escaping = 0; /* augmentation of the milestone; (AU5) that many times running */
+  int failed = 0;               /* 1: some (AU2) failed */
+  int passed = 0, escaping = 0; /* augmentation of the milestone; (AU5) so often in a row */
   for (int k = 1; !dls_certificate_holds(best, it->tol); k++) {
     if (k > most) return DLS_MAX_ITERATIONS;
     const double wanted = 0.1 * dlsi_target(it->tol, fmin(best->floor_u, best->floor_r));
@@ -313,7 +313,7 @@ static dls_status augmented_create_by(void **out, int d, int nc, const dlsi_opti
   return augmented_create(out, d, nc, &s, DLS_AUGMENTED_LAGRANGIAN, options, error);
 }
 
-/* Creates for one augmentation with a large penalty that stays, from r = 0. */
+/* Creates for one augmentation from r = 0 with a large, fixed penalty. */
 static dls_status penalty_create_by(void **out, int d, int nc, const dlsi_options *options,
                                     dls_error *error) {
   dls_augmented_settings s;

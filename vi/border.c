@@ -1,5 +1,5 @@
 /*
- * border.c: a Newton step (newton.c, NE2) with the factors of an earlier step, some of whose states
+ * border.c: a Newton step (newton.c, NE2) with the factors of an earlier step, after some states
  * have changed.
  *
  * M = R W C + diag is factorised for the base states. The columns of C are the directions of its n
@@ -11,10 +11,10 @@
  *   (BO1)  M z + B y = b             b: right side of the rows that stay, else 0
  *                                    B: a unit vector for a slack, R W g for a direction g
  *   (BO2)  dr = C z + G y            G y: y times g, 0 for slacks
- *   (BO3)  X = M^-1 B,  Q = the rows of (G - C X) of the changed ones:  dr = C M^-1 b + (G - C X) y
+ *   (BO3)  X = M^-1 B,  Q = rows of (G - C X) of the changed c:  dr = C M^-1 b + (G - C X) y
  *   (BO4)  V = (W C)^T on their rows,  T = W (G - C X) on their rows = -V^T X + W G
- *   (BO5)  S y = g: the equations of each in its new state, in Q and T: its rows of (NE2), and
- *          that dr_c lies in its directions, times w_c; on the right C z and V^T z of z = M^-1 b
+ *   (BO5)  S y = g, in Q and T: for each changed c the rows of (NE2) in its new state, and w_c
+ *          times "dr_c lies in its directions"; on the right C z and V^T z of z = M^-1 b
  *   (BO6)  z := z - X y
  *
  * Three forms choose the positions and rows, each at the lowest cost:
@@ -23,8 +23,8 @@
  *             every state
  *   TANGENTS  all but the first: pressed before and now. Row n stays in M
  *   FRAMED    from slip to free and back, and, where the direction stays, from free to slip:
- *             positions, rows n and across, and coefficients of that slip. Outside of M its
- *             directions are G, whose components are its unknowns
+ *             positions, rows n and across, and coefficients of that slip. If free in M, its
+ *             directions are G, and their components its unknowns
  *
  * If the form of a contact cannot represent its next state, its columns are dropped (their y is 0
  * from then on), and it becomes WHOLE.
@@ -34,10 +34,10 @@
  * solve costs 4 n k + 2 k^2 more than with M. Up to k = n / 6 that is less than the factorisation
  * of a new M, 2/3 n^3.
  *
- * (BO7)  Factors may serve loosely: for a slip, d = 3, whose direction has turned and whose l has
- *        changed. Its row across is then multiplied by (w + l of the factors) / (w + l), which is
- *        right where its own entry, about w + l, outweighs the others. The solution is inexact,
- *        which the caller sees. So it is where W is another one than when M was factored.
+ * (BO7)  Loose factors may serve a slip, d = 3, whose direction and l have changed. Its row across
+ *        is multiplied by (w + l of the factors) / (w + l), which is right if its own entry, about
+ *        w + l, outweighs the others. The solution is inexact, as it is if W has changed since M
+ *        was factored; the caller sees that.
  */
 #include "border.h"
 
@@ -52,7 +52,7 @@ typedef enum border_form { WHOLE, TANGENTS, FRAMED } border_form;
 
 static const double least_cosine = 0.8; /* of the angle by which a direction may turn */
 
-/* e (3) := direction j >= count, of G: with those of the unknowns a basis. */
+/* e (3) := direction j >= count, of G, which completes those of the unknowns to a basis. */
 static void border_complement(int d, const dlsi_branch *b, int j, double *e) {
   e[0] = e[1] = e[2] = 0;
   if (d == 3 && b->count == 2) {
@@ -70,7 +70,7 @@ void dlsi_border_begin(dlsi_border *b, int d, int nc, const dlsi_branch *branch,
   size_t rows = 0, most = N / share;
   for (int c = 0; c < nc; c++)
     rows += branch[c].mu > 0 ? (size_t)d : 1;
-  /* what is left of a matrix of these rows: as much as in a problem without their tangents */
+  /* room left by a matrix of these rows, as if contacts without friction had no tangents */
   const size_t left = rows * rows - N * N + (m - rows), room = size < left ? size : left;
   while (most && fixed + most * (each + 2 * N + 3 * most) > room)
     most--;
@@ -105,7 +105,7 @@ int dlsi_branch_serves(const dlsi_branch *a, const dlsi_branch *b, int loose) {
   return a->mu == b->mu && a->t[0] * b->t[0] + a->t[1] * b->t[1] >= least_cosine;
 }
 
-/* Returns the form for a change to this state. again: an earlier form does not hold it. */
+/* Returns the form for a change to this state. again: an earlier form does not fit. */
 static border_form border_choose(const dlsi_border *b, int c, const dlsi_branch *now, int again) {
   const dlsi_branch *base = &b->base[c];
   if (again) return WHOLE;
@@ -115,7 +115,7 @@ static border_form border_choose(const dlsi_border *b, int c, const dlsi_branch 
   return TANGENTS;
 }
 
-/* Returns how many unknowns more a form takes. slip: the frame of FRAMED. */
+/* Returns the number of unknowns that a form adds. slip: the frame of FRAMED. */
 static int border_width_of(const dlsi_border *b, int c, border_form form, const dlsi_branch *slip) {
   if (form == FRAMED) return slip->count;
   return form == TANGENTS ? b->d - 1 : b->base[c].mu > 0 ? b->d : 1;
@@ -135,7 +135,7 @@ static int border_width(const dlsi_border *b, int c) {
   return border_width_of(b, c, (border_form)b->form[at], &b->frame[at]);
 }
 
-/* Returns the position, 0 to d - 1, of the first unknown more of a candidate. */
+/* Returns the position, 0 to d - 1, of the first unknown that a contact adds. */
 static int border_first(const dlsi_border *b, int c) {
   return border_is(b, c, TANGENTS);
 }
@@ -147,7 +147,7 @@ static int border_fits(const dlsi_border *b, int c, const dlsi_branch *now) {
   return now->state == DLS_FREE || dlsi_branch_serves(&b->frame[b->slot[c]], now, b->loose);
 }
 
-/* e (3) := the direction at position j of a changed candidate: of an unknown of the factored
+/* e (3) := the direction at position j of a changed contact: of an unknown of the factored
  * matrix, or of G. */
 static void border_direction(const dlsi_border *b, int c, int j, double *e) {
   if (border_is(b, c, FRAMED))
@@ -158,13 +158,13 @@ static void border_direction(const dlsi_border *b, int c, int j, double *e) {
     border_complement(b->d, &b->base[c], j, e);
 }
 
-/* Returns row i of a changed candidate times v (3): a component, or that of its frame. */
+/* Returns row i of a changed contact times v (3): component i, or that of its frame. */
 static double border_row(const dlsi_border *b, int c, int i, const double *v) {
   if (border_is(b, c, FRAMED)) return dlsi_branch_row(&b->frame[b->slot[c]], i, v);
   return i == 0 ? v[0] : i == 1 ? v[1] : v[2];
 }
 
-/* Fills column j of candidate c in X with B, for (BO3). v: scratch, d nc. */
+/* Fills column j of contact c in X with B, for (BO3). v: scratch, d nc. */
 static void border_column(dlsi_border *b, const dls_contact *problem, int c, int j, double *x,
                           double *v) {
   const size_t m = (size_t)b->d * (size_t)b->nc;
@@ -187,7 +187,7 @@ static void border_block(const dls_contact *problem, int c, int a, const double 
   dlsi_branch_block(problem->d, problem->W.a + d * (size_t)c + d * (size_t)a * ld, ld, e, v);
 }
 
-/* Fills the columns of V for candidate c. */
+/* Fills the columns of V for contact c. */
 static void border_rows(dlsi_border *b, const dls_contact *problem, int c, double *V) {
   const int first = border_first(b, c), width = border_width(b, c);
   for (int a = 0; a < b->nc; a++)
@@ -204,7 +204,7 @@ static int border_alone(const dlsi_border *b) {
   return dlsi_is_small((size_t)b->n * (size_t)b->n);
 }
 
-/* Entries of Q and T in rows row .. row + rows - 1 and columns col .. col + cols - 1. */
+/* Computes Q and T in rows row .. row + rows - 1 and columns col .. col + cols - 1. */
 static void border_products(dlsi_border *b, const dls_contact *problem, int row, int rows, int col,
                             int cols) {
   const size_t n = (size_t)b->n, most = (size_t)b->most;
@@ -239,7 +239,7 @@ static void border_products(dlsi_border *b, const dls_contact *problem, int row,
   }
 }
 
-/* Gives up the unknowns of a candidate whose form does not hold its state. */
+/* Drops the unknowns of a contact whose form does not fit its state. */
 static void border_give_up(dlsi_border *b, int c) {
   const int first = b->slot[c], end = first + border_width(b, c);
   for (int k = first; k < end; k++)
@@ -285,8 +285,8 @@ int dlsi_border_add(dlsi_border *b, const dls_contact *problem, const dlsi_dense
   return 1;
 }
 
-/* (BO5) Returns equation i of candidate c in this state; r, u (3): dr and W dr of it, of its frame
- * where it has one. */
+/* (BO5) Returns equation i of contact c in the state `now`. r, u (3): its dr and W dr, in its frame
+ * if it has one. */
 static double border_equation(const dlsi_border *b, int c, const dlsi_branch *now, int i, double w,
                               double diagonal, const double *r, const double *u) {
   const int across = now->state == DLS_SLIP && i == 1;
@@ -298,7 +298,7 @@ static double border_equation(const dlsi_border *b, int c, const dlsi_branch *no
   return w * (now->t[0] * r[1] + now->t[1] * r[2] - now->mu * r[0]);
 }
 
-/* dr (3) := (BO2) of candidate c from z and, if y is not NULL, its part of y; in its frame, if it
+/* dr (3) := (BO2) of contact c from z and, if y is not NULL, its part of y; in its frame, if it
  * has one. */
 static void border_part(const dlsi_border *b, int c, const double *z, const double *y, double *dr) {
   const dlsi_branch *base = &b->base[c];
@@ -318,7 +318,7 @@ static void border_part(const dlsi_border *b, int c, const double *z, const doub
   }
 }
 
-/* (BO5) Row `row` of S. */
+/* (BO5) Computes row `row` of S. */
 static void border_fill(dlsi_border *b, int row, const dlsi_branch *branch, const double *w,
                         const double *E, double eps) {
   const size_t n = (size_t)b->n, most = (size_t)b->most;
@@ -359,7 +359,7 @@ static int border_factor(dlsi_border *b, const dlsi_branch *branch, const double
   return 1;
 }
 
-/* (BO7) Returns what the row of b is multiplied by where factors for `old` serve for `now`. */
+/* (BO7) Returns the factor of the row across if factors for `old` serve for `now`. */
 static double border_scale(const dlsi_branch *old, const dlsi_branch *now, double w) {
   const int both = now->count == 2 && old->state == DLS_SLIP && now->state == DLS_SLIP;
   return both ? (w + old->l) / (w + now->l) : 1;

@@ -1,23 +1,23 @@
 /*
- * exists.c: whether failed methods mean anything: two signs that a contact problem has a solution,
- * and one that nothing is known of it.
+ * exists.c: two conditions that prove that a contact problem has a solution, and one under which a
+ * failed method proves nothing.
  *
  *   (XS1)  the symmetric part of W is positive definite
- *   (XS2)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them
- *          apart, with room, are within reach
+ *   (XS2)  some W x has (W x)_n > mu |(W x)_t| at every contact: velocities that open all of them,
+ *          with a margin, are possible
  *
- * For W with a positive semidefinite symmetric part each of them guarantees a solution: reactions
- * cannot run away, because along a direction delta of the cones with W delta = 0 nothing could make
- * q.delta < 0 pay (Klarbring and Pang, SIAM J. Optim. 8, 1998, 414-442, for W positive definite;
- * Acary, Cadoux, Lemarechal and Malick, Z. Angew. Math. Mech. 91, 2011, 155-175, for the second).
+ * For W with a positive semidefinite symmetric part each of them guarantees a solution: the cones
+ * have no direction delta != 0 with W delta = 0, along which reactions could run away (Klarbring
+ * and Pang, SIAM J. Optim. 8, 1998, 414-442, for W positive definite; Acary, Cadoux, Lemarechal and
+ * Malick, Z. Angew. Math. Mech. 91, 2011, 155-175, for the second).
  *
- * (XS2) asks for x with W x = e, e = 1 in every normal row and 0 in the others, by conjugate
- * gradients; only what comes out counts, so that neither symmetry nor convergence is needed.
+ * (XS2) solves W x = e, e = 1 in every normal row and 0 in the others, by conjugate gradients. Only
+ * the W x that results counts, so that neither symmetry nor convergence is needed.
  *
- *   (XS3)  Where the symmetric part has a negative eigenvalue there is no theory, and methods fail
- *          on problems with solutions: their failure means nothing.
+ *   (XS3)  If the symmetric part has a negative eigenvalue there is no theory, and methods fail on
+ *          problems with solutions: their failure proves nothing.
  *
- * Rounding lets some singular W pass for definite: that costs a verdict, not its truth.
+ * Rounding makes some singular W look definite: that can suppress a verdict, not falsify it.
  *
  * Cost: two L D L^T factorisations, up to 2 m products with W.
  */
@@ -27,11 +27,11 @@
 
 #include "vi_internal.h"
 
-/* Shift of W, over its weights, that makes a semidefinite W definite in spite of rounding. */
+/* Shift of W, relative to its weights, that makes a semidefinite W definite despite rounding. */
 static const double rounding = 1e-10;
 
-/* Returns 1 if the symmetric part of W + shift diag(w) has pivots > 0 in L D L^T: without square
- * roots powers of two keep every bit, and small whole numbers meet the 0 of a singular W. J:
+/* Returns 1 if the symmetric part of W + shift diag(w) has pivots > 0 in L D L^T. Without square
+ * roots powers of two change no bit, and a singular W of small integers gives an exact 0. J:
  * scratch, m x m. */
 static int has_pivots(const dls_contact *problem, const double *w, double shift, double *J) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
@@ -65,7 +65,7 @@ static double dot(size_t m, const double *x, const double *y) {
   return sum;
 }
 
-/* Returns 1 if v = W x keeps every candidate apart by more than rounding. */
+/* Returns 1 if v = W x opens every contact by more than rounding. */
 static int keeps_apart(const dls_contact *problem, const double *v) {
   const int d = problem->d;
   for (int c = 0; c < problem->nc; c++, v += d)

@@ -7,8 +7,8 @@
  *
  *   K x = f + H r   becomes   K' x' = f' + r,   K' = T^T K T,   f' = T^T f,   x'_c = u_c - g_c
  *
- * Of frames along the axes nothing but a renumbering of two unknowns is left, and K' has the
- * entries of K. An inclined frame mixes two columns and two rows, whose patterns unite.
+ * A frame along the axes only renumbers two unknowns, and K' has the entries of K. An inclined
+ * frame mixes two columns and two rows and unites their patterns.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -18,8 +18,8 @@
 
 /* ---- the frames ------------------------------------------------------------------------------ */
 
-/* v := the entries of column c of H in the rows unknown[0..1], which are found as they come (-1:
- * not yet). Returns 0 if there is a third row. */
+/* v := the entries of column c of H in the rows unknown[0..1], which are filled as they are found
+ * (-1: not yet). Returns 0 if there is a third row. */
 static int frames_gather(const dls_sparse *H, int c, int unknown[2], double v[2]) {
   v[0] = v[1] = 0;
   for (int k = H->p[c]; k < H->p[c + 1]; k++) {
@@ -119,9 +119,9 @@ static void frames_emit_all(const dlsi_frames *a, const dls_model *model, size_t
     }
 }
 
-/* Adds up entries of one place, column by column, and takes the diagonal. place: scratch, n. */
+/* Sums entries of one place, column by column, and stores the diagonal. place: scratch, n. */
 static void frames_merge(dlsi_frames *a, size_t *place) {
-  size_t end = 0; /* of what is merged */
+  size_t end = 0; /* of the merged entries */
   memset(place, 0, (size_t)a->n * sizeof *place);
   for (int j = 0; j < a->n; j++) {
     const size_t begin = end;

@@ -1,17 +1,17 @@
 /*
- * groups.c: puts candidates into groups of eight that share nothing, for sweeps in lanes.
+ * groups.c: puts contacts into groups of eight that share nothing, for sweeps in lanes.
  *
- *   (GR1)  slab by slab (slabs.c), candidates in the order of the visits; each joins the oldest
- *          open group without a neighbour of it: a candidate on one of its bodies, or coupled by a
- *          block of W; by blocks also of its kind: so many blocks in its row, to 2
+ *   (GR1)  slab by slab (slabs.c), in the order of the visits, each contact joins the oldest open
+ *          group without a neighbour: a contact on one of its bodies, or coupled by a block of W.
+ *          By blocks also of its kind: the number of blocks in its row, halved and rounded down
  *   (GR2)  a group is closed when it has eight, or when 64 younger ones have been opened
  *
- * So nearly all groups are full, and candidates stay within 64 groups of their place in the order.
- * What sweeps read stands by groups then: of bodies H, of W by blocks the rows, each filled up with
- * zeros to the longest of its group. All that follows from the problem alone, and so do the bits.
+ * Thus nearly all groups are full, and contacts stay within 64 groups of their place in the order.
+ * The data of a sweep are stored by groups: H of bodies, or the rows of W by blocks, padded with
+ * zeros to the longest of the group. All follows from the problem alone, and so do the bits.
  *
- * Cost: a few sweeps; half of them if the structure of W is that of the last solve. What can fail:
- * memory. A body that most candidates touch leaves groups of one: then there are none at all.
+ * Cost: a few sweeps, half of them if W has the structure of the last solve. What can fail: memory.
+ * If most contacts touch one body, groups would hold one contact each: then none are made.
  */
 #include "groups.h"
 
@@ -29,7 +29,7 @@ typedef struct groups_fit {
   const dls_contact *problem;
   const dlsi_rows *rows; /* NULL: of bodies */
   uint64_t *held;        /* of bodies: the open groups with each body */
-  int *group;            /* by blocks: group of each candidate, -1: none */
+  int *group;            /* by blocks: group of each contact, -1: none */
   int *member;           /* of all groups */
   int oldest, end;       /* groups that may be open */
   uint64_t open;         /* bit g % most_open */
@@ -56,7 +56,7 @@ static uint64_t fit_busy(const groups_fit *f, int c) {
   return busy;
 }
 
-/* Enters candidate c in group g, or takes it out. */
+/* Enters contact c in group g, or removes it. */
 static void fit_mark(const groups_fit *f, int c, int g, int in) {
   if (f->rows) {
     f->group[c] = in ? g : -1;
@@ -89,7 +89,7 @@ static int fit_open(groups_fit *f, int kind) {
   return g;
 }
 
-/* Returns the oldest group of a set of them, which is not empty. */
+/* Returns the oldest group of a set that is not empty. */
 static int fit_oldest(const groups_fit *f, uint64_t set) {
   int g = f->oldest;
   while (!(set & fit_bit(g)))
@@ -97,7 +97,7 @@ static int fit_oldest(const groups_fit *f, uint64_t set) {
   return g;
 }
 
-/* (GR1) for one candidate. */
+/* (GR1) for one contact. */
 static void fit_add(groups_fit *f, int c) {
   const int length = f->rows ? (f->rows->row[c + 1] - f->rows->row[c]) / 2 : 0;
   const int kind = length < most_kinds ? length : most_kinds - 1;
@@ -108,7 +108,7 @@ static void fit_add(groups_fit *f, int c) {
   if (f->filled[g % most_open] == size) fit_close(f, g);
 }
 
-/* Fits slab s; the groups of the next one begin again. */
+/* Fits slab s and closes its groups. */
 static void fit_slab(groups_fit *f, const dlsi_set *set, int s) {
   const int first = set->slabs ? set->start[s] : 0;
   const int end = set->slabs ? set->start[s + 1] : set->count;
@@ -120,7 +120,7 @@ static void fit_slab(groups_fit *f, const dlsi_set *set, int s) {
 
 /* ---- what follows from the structure of W ---------------------------------------------------- */
 
-/* Lists the blocks of each row of W but the diagonal ones. */
+/* Lists the off-diagonal blocks of each row of W. */
 static void groups_transpose(const dls_blocks *B, int *row, int *column, int *place) {
   memset(row, 0, ((size_t)B->n + 1) * sizeof *row);
   for (int c = 0; c < B->n; c++)
@@ -164,7 +164,7 @@ int dlsi_groups_are_of(const dlsi_groups *groups, const dls_contact *problem) {
          (s.n || memcmp(kept + s.length[0], s.of[1], s.length[1] * sizeof *kept) == 0);
 }
 
-/* Keeps the structure, and rows of it. DLS_E_MEMORY. */
+/* Stores the structure and its rows. DLS_E_MEMORY. */
 static dls_status groups_keep(dlsi_groups *groups, const dls_contact *problem, dls_error *error) {
   const groups_structure s = groups_structure_of(problem);
   const size_t all = s.length[0] + s.length[1];
@@ -183,7 +183,7 @@ static dls_status groups_keep(dlsi_groups *groups, const dls_contact *problem, d
   return DLS_OK;
 }
 
-/* Returns the blocks of the longest row of a group. */
+/* Returns the length of the longest row of a group. */
 static int groups_longest(const dlsi_rows *rows, const int *member) {
   int longest = 0;
   for (int l = 0; l < size; l++) {
@@ -193,7 +193,7 @@ static int groups_longest(const dlsi_rows *rows, const int *member) {
   return longest;
 }
 
-/* Puts the candidates into groups. tasks: of the slabs, even ones first. DLS_E_MEMORY. */
+/* Puts the contacts into groups. tasks: the slabs, even ones first. DLS_E_MEMORY. */
 static dls_status groups_fit_set(dlsi_groups *groups, groups_fit *f, const dlsi_set *set,
                                  dls_error *error) {
   const size_t nc = (size_t)f->problem->nc, bodies = (size_t)f->problem->bodies.count;
@@ -225,20 +225,20 @@ static dls_status groups_fit_set(dlsi_groups *groups, groups_fit *f, const dlsi_
   return DLS_OK;
 }
 
-/* Returns the array rounded up to a line of the cache. */
+/* Returns x rounded up to a cache line. */
 static double *groups_align(double *x) {
   const uintptr_t past = (uintptr_t)(void *)x % line;
   return past ? x + (line - past) / sizeof *x : x;
 }
 
-/* Makes room for `count` groups and moves what the fit has found there. DLS_E_MEMORY. */
+/* Makes room for `count` groups and copies the result of the fit to it. DLS_E_MEMORY. */
 static dls_status groups_take(dlsi_groups *groups, const groups_fit *f, dls_error *error) {
   const size_t count = (size_t)groups->count, tasks = (size_t)groups->tasks;
   const size_t d = (size_t)groups->d, own = d * d + d + 2;
   size_t blocks = 0;
   for (size_t g = 0; f->rows && g < count; g++)
     blocks += (size_t)groups_longest(f->rows, f->member + size * g);
-  if (blocks > INT_MAX / size) groups->count = 0; /* too many for their numbers */
+  if (blocks > INT_MAX / size) groups->count = 0; /* int would overflow */
   if (!groups->count) return DLS_OK;
   const size_t x = f->rows ? d * d * blocks : 2 * d * (size_t)groups->n * count;
   const size_t bodies = f->rows ? 0 : 2 * size * count, of_rows = f->rows ? count + 1 : 0;
@@ -341,7 +341,7 @@ static void groups_fill_bodies(const dlsi_groups *groups, const dls_contact *pro
     }
 }
 
-/* A place beside a row is filled up with zeros times r of the candidate itself. */
+/* Pads a short row with zero blocks times r of the contact itself. */
 static void groups_fill_blocks(const dlsi_groups *groups, const dls_contact *problem,
                                const dlsi_rows *rows) {
   const size_t entries = (size_t)groups->d * (size_t)groups->d;

@@ -1,12 +1,12 @@
 /*
- * groups_kernel.h: groups_sweep.c's kernels in registers of WIDTH doubles; included there once for
- * each width. TARGET: the attribute that allows the registers; NAME(x): x for this width.
+ * groups_kernel.h: kernels of groups_sweep.c for registers of WIDTH doubles, included there once
+ * per width. TARGET: the attribute that allows the registers; NAME(x): x for this width.
  *
  * The local solution is local.c's (LO1)-(LO5) without its branches, for W_nn > 0 and S positive
  * definite:
  *
- *   d = 3  stick by Cramer's rule; slip by two Newton steps from the l of the candidate's last
- *          visit: the sweeps correct what these leave
+ *   d = 3  stick by Cramer's rule; slip by newton_steps Newton steps from the l of the last visit:
+ *          the sweeps correct the rest
  *   d = 2  stick from u_t = z + S r_t = 0; else slip towards that r_t
  */
 #define INLINE static TARGET DLSI_INLINE
@@ -41,7 +41,7 @@ INLINE V NAME(root)(V x) {
 }
 
 /* x := entry i at each of WIDTH places. */
-INLINE V NAME(gather)(const double *const *p, int i) {
+INLINE V NAME(gather_one)(const double *const *p, int i) {
 #if WIDTH == 8
   return (V){p[0][i], p[1][i], p[2][i], p[3][i], p[4][i], p[5][i], p[6][i], p[7][i]};
 #elif WIDTH == 4
@@ -53,13 +53,69 @@ INLINE V NAME(gather)(const double *const *p, int i) {
 #endif
 }
 
-INLINE void NAME(scatter)(V x, int i, double *const *p) {
-  for (int l = 0; l < WIDTH; l++)
-    p[l][i] = x[l];
+#if SHUFFLES
+#if WIDTH == 8
+#define SHUFFLE_LOW(a, b)  __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14)
+#define SHUFFLE_HIGH(a, b) __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15)
+#elif WIDTH == 4
+#define SHUFFLE_LOW(a, b)  __builtin_shufflevector(a, b, 0, 4, 2, 6)
+#define SHUFFLE_HIGH(a, b) __builtin_shufflevector(a, b, 1, 5, 3, 7)
+#else
+#define SHUFFLE_LOW(a, b)  __builtin_shufflevector(a, b, 0, 2)
+#define SHUFFLE_HIGH(a, b) __builtin_shufflevector(a, b, 1, 3)
+#endif
+
+/* Entries i, i + 1 of places first, first + 2, ... one after another. */
+INLINE V NAME(pairs)(const double *const *p, int i, int first) {
+#define PAIR(l) (*(const groups_pair *)(p[first + (l)] + i))
+#if WIDTH == 2
+  return PAIR(0);
+#else
+  const groups_quad low = __builtin_shufflevector(PAIR(0), PAIR(2), 0, 1, 2, 3);
+#if WIDTH == 4
+  return low;
+#else
+  const groups_quad high = __builtin_shufflevector(PAIR(4), PAIR(6), 0, 1, 2, 3);
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
+#endif
+#undef PAIR
+}
+#endif
+
+/* x (n) := entries 0 .. n-1 at each of WIDTH places. */
+INLINE void NAME(gather)(const int n, const double *const *p, V *x) {
+  int i = 0;
+#if SHUFFLES
+  for (; i + 1 < n; i += 2) {
+    const V even = NAME(pairs)(p, i, 0), odd = NAME(pairs)(p, i, 1);
+    x[i] = SHUFFLE_LOW(even, odd);
+    x[i + 1] = SHUFFLE_HIGH(even, odd);
+  }
+#endif
+  for (; i < n; i++)
+    x[i] = NAME(gather_one)(p, i);
 }
 
-/* s := the solutions for d = 3. own: from the lane on; l there changes. Returns the lanes that
- * have found none. */
+/* Entries 0 .. n-1 at each of WIDTH places := x (n). */
+INLINE void NAME(scatter)(const int n, const V *x, double *const *p) {
+  int i = 0;
+#if SHUFFLES
+  for (; i + 1 < n; i += 2) {
+    const V even = SHUFFLE_LOW(x[i], x[i + 1]), odd = SHUFFLE_HIGH(x[i], x[i + 1]);
+    for (int l = 0; l < WIDTH; l += 2) {
+      *(groups_pair *)(p[l] + i) = (groups_pair){even[l], even[l + 1]};
+      *(groups_pair *)(p[l + 1] + i) = (groups_pair){odd[l], odd[l + 1]};
+    }
+  }
+#endif
+  for (; i < n; i++)
+    for (int l = 0; l < WIDTH; l++)
+      p[l][i] = x[i][l];
+}
+
+/* s := the solutions for d = 3. own: from the lane on; l there changes. Returns the lanes without a
+ * solution. */
 INLINE M NAME(solve_3d)(double *own, const V *p, V *s) {
   const V zero = {0};
   V W[9];
@@ -104,7 +160,7 @@ INLINE M NAME(solve_3d)(double *own, const V *p, V *s) {
   const M rough = mu > zero; /* else: along the normal alone */
   const V n = NAME(choose)(rough, f * size, -p0 * inv_a), t = (V)(rough & (M)(mu * f));
   const M good = slips & (n > zero) & (n <= NAME(all)(DBL_MAX));
-  NAME(store)(own + 8 * 13, NAME(choose)(good, l, old));
+  NAME(store)(own + 8 * 13, NAME(choose)(good & rough, l, old)); /* mu = 0: l has no end */
   s[0] = NAME(choose)(good, n, s[0]);
   s[1] = NAME(choose)(good, t * X, s[1]);
   s[2] = NAME(choose)(good, t * Y, s[2]);
@@ -166,15 +222,14 @@ INLINE void NAME(look_blocks)(const int d, const dlsi_groups *G, int g, int h, c
     V x[3], y[3];
     for (int l = 0; l < WIDTH; l++)
       other[l] = r + (size_t)d * (size_t)column[l];
-    for (int i = 0; i < d; i++)
-      x[i] = NAME(gather)(other, i);
+    NAME(gather)(d, other, x);
     NAME(multiply)(d, G->x + 8 * (size_t)(d * d) * (size_t)k + h, x, y);
     for (int i = 0; i < d; i++)
       p[i] += y[i];
   }
 }
 
-/* Where the numbers of the eight candidates of a group stand. */
+/* Addresses of the numbers of the eight contacts of a group. */
 #define PLACES NAME(places)
 typedef struct PLACES {
   double *r[8], *a[8], *b[8]; /* r, the motions of both bodies */
@@ -199,12 +254,9 @@ INLINE int NAME(visit_lanes)(const int d, const int n, const dlsi_groups *G, int
   const double *H = G->x + 16 * (size_t)(n * d) * (size_t)g + h, *q = own + 8 * d * d;
   double *const *to = at->r + h, *const *a = at->a + h, *const *b = at->b + h;
   V A[6], B[6], rc[3], p[3], s[3];
-  for (int i = 0; i < d; i++)
-    rc[i] = NAME(gather)((const double *const *)to, i);
-  for (int i = 0; i < n; i++) {
-    A[i] = NAME(gather)((const double *const *)a, i);
-    B[i] = NAME(gather)((const double *const *)b, i);
-  }
+  NAME(gather)(d, (const double *const *)to, rc);
+  NAME(gather)(n, (const double *const *)a, A);
+  NAME(gather)(n, (const double *const *)b, B);
   if (n) {
     NAME(look_bodies)(d, n, H, q, A, B, p);
     NAME(multiply)(d, own, rc, s);
@@ -228,19 +280,20 @@ INLINE int NAME(visit_lanes)(const int d, const int n, const dlsi_groups *G, int
   for (int i = 1; i < d; i++)
     moves |= s[i] != rc[i];
   if (!ANY(moves)) return 0;
-  for (int i = 0; i < d; i++) {
-    NAME(scatter)(s[i], i, to);
+  NAME(scatter)(d, s, to);
+  for (int i = 0; i < d; i++)
     s[i] -= rc[i];
-  }
   for (int i = 0; i < n; i++) {
     V sum = NAME(load)(H + 8 * i) * s[0], more = NAME(load)(H + 8 * (i + n * d)) * s[0];
     for (int j = 1; j < d; j++) {
       sum += NAME(load)(H + 8 * (i + n * j)) * s[j];
       more += NAME(load)(H + 8 * (i + n * (d + j))) * s[j];
     }
-    NAME(scatter)(A[i] + sum, i, a);
-    NAME(scatter)(B[i] + more, i, b);
+    A[i] += sum;
+    B[i] += more;
   }
+  NAME(scatter)(n, A, a);
+  NAME(scatter)(n, B, b);
   return 1;
 }
 
@@ -256,7 +309,7 @@ INLINE int NAME(visit)(const int d, const int n, const dlsi_groups *G, int first
   return changed;
 }
 
-/* u := W r + q, of bodies from v, for the candidates of groups first .. end-1. */
+/* u := W r + q, from v for bodies, for the contacts of groups first .. end-1. */
 INLINE void NAME(see)(const int d, const int n, const dlsi_groups *G, int first, int end, double *r,
                       double *v, double *u) {
   PLACES at = {.none = {0}};
@@ -270,27 +323,23 @@ INLINE void NAME(see)(const int d, const int n, const dlsi_groups *G, int first,
     }
     for (int h = 0; h < 8; h += WIDTH) {
       V A[6], B[6], rc[3], p[3], y[3];
-      for (int i = 0; i < n; i++) {
-        A[i] = NAME(gather)((const double *const *)at.a + h, i);
-        B[i] = NAME(gather)((const double *const *)at.b + h, i);
-      }
+      NAME(gather)(n, (const double *const *)at.a + h, A);
+      NAME(gather)(n, (const double *const *)at.b + h, B);
       if (n)
         NAME(look_bodies)(d, n, G->x + 16 * (size_t)(n * d) * (size_t)g + h, q + h, A, B, p);
       else {
         NAME(look_blocks)(d, G, g, h, q + h, r, p);
-        for (int i = 0; i < d; i++)
-          rc[i] = NAME(gather)((const double *const *)at.r + h, i);
+        NAME(gather)(d, (const double *const *)at.r + h, rc);
         NAME(multiply)(d, own + h, rc, y);
         for (int i = 0; i < d; i++)
           p[i] += y[i];
       }
-      for (int i = 0; i < d; i++)
-        NAME(scatter)(p[i], i, to + h);
+      NAME(scatter)(d, p, to + h);
     }
   }
 }
 
-/* Groups first .. end-1: a sweep where u is NULL, which returns 1 if some r has changed; else u. */
+/* Groups first .. end-1: a sweep if u is NULL, which returns 1 if some r has changed; else u. */
 static TARGET int NAME(run)(const dlsi_groups *G, int first, int end, double *r, double *v,
                             double *u) {
 #define CASE(D, N)                                                                                 \
@@ -318,3 +367,5 @@ static TARGET int NAME(run)(const dlsi_groups *G, int first, int end, double *r,
 #undef ROOT
 #undef ANY
 #undef PLACES
+#undef SHUFFLE_LOW
+#undef SHUFFLE_HIGH

@@ -1,16 +1,16 @@
 /*
- * groups_sweep.c: a sweep of Gauss-Seidel over candidates in groups of eight, one in each lane.
+ * groups_sweep.c: a sweep of Gauss-Seidel over contacts in groups of eight, one in each lane.
  *
- * The rules are those of nlgs_sweep.c, (NL0)-(NL2) and (NL4) for omega = 1, for eight candidates
+ * The rules are those of nlgs_sweep.c, (NL0)-(NL2) and (NL4) for omega = 1, for eight contacts
  * that share nothing:
  *
  *   bodies     u_c = q_c + H_c^T v,  p = u_c - W_cc r_c,  v += H_c (s - r_c)
- *   by blocks  p = q_c + sum of W_ck r_k over k not c: by rows, so that no u is kept
+ *   by blocks  p = q_c + sum of W_ck r_k over k != c, by rows: no u is kept
  *
- * A register holds 2, 4 or 8 of the lanes, whatever the processor has. Sums have a fixed order and
- * each lane is rounded by itself: all give the same bits, as do all numbers of threads, since the
- * tasks of a stage share nothing. Candidates that the kernels do not serve (groups.c) and those
- * whose slip they do not find take local.c, one by one.
+ * A register holds 2, 4 or 8 lanes, depending on the processor. All widths give the same bits: sums
+ * have a fixed order and each lane is rounded by itself. So do all numbers of threads: the tasks of
+ * a stage share nothing. Contacts that the kernels do not serve (groups.c), or whose slip they do
+ * not find, are solved by local.c, one by one.
  */
 #include "groups.h"
 
@@ -20,7 +20,7 @@
 #include <immintrin.h>
 #endif
 
-enum { newton_steps = 1 }; /* after 300 sweeps of packings 2 leave the same residual */
+enum { newton_steps = 1 }; /* 2 give the same residual after 300 sweeps of packings */
 
 void dlsi_groups_solve_one(int d, const double *own, double *p) {
   const double mu = own[8 * (d * d + d)];
@@ -42,7 +42,15 @@ void dlsi_groups_solve_one(int d, const double *own, double *p) {
     p[i] = r[i];
 }
 
+/* Entries of a place are moved two at a time where the compiler has shuffles of two registers. */
+#ifdef __has_builtin
+#define SHUFFLES __has_builtin(__builtin_shufflevector)
+#else
+#define SHUFFLES 0
+#endif
+typedef double groups_pair __attribute__((vector_size(16), aligned(8), may_alias));
 #if defined(__x86_64__)
+typedef double groups_quad __attribute__((vector_size(32), aligned(8), may_alias));
 #define WIDTH   8
 #define TARGET  __attribute__((target("avx512f")))
 #define NAME(x) x##_8
@@ -72,7 +80,7 @@ void dlsi_groups_solve_one(int d, const double *own, double *p) {
 
 typedef int groups_kernel(const dlsi_groups *, int, int, double *, double *, double *);
 
-/* Returns the kernel for this width; for 0 the widest that the processor has. */
+/* Returns the kernel for this width; for 0 the widest of the processor. */
 static groups_kernel *groups_choose(int width) {
 #if defined(__x86_64__)
   const int most = __builtin_cpu_supports("avx512f") ? 8 : __builtin_cpu_supports("avx2") ? 4 : 2;

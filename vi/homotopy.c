@@ -2,36 +2,36 @@
  * homotopy.c: interior homotopy by arc length, d = 2 and 3, for small problems on which other
  * methods fail.
  *
- * In the unknowns r_c = b k_c (x_n / mu, x_t), with k_c such that the blocks of the scaled W have a
- * mean diagonal of 1 and b such that the largest entry of the scaled q is 1, friction cones become
- * the Lorentz cone K = { x : x_n >= |x_t| }, which is its own dual. With z the scaled u + mu |u_t|
- * n the problem is: x and z in K, x.z = 0, and
+ * Unknowns: r_c = b k_c (x_n / mu, x_t). k_c gives the blocks of the scaled W a mean diagonal of 1,
+ * b makes the largest entry of the scaled q 1. Friction cones become the Lorentz cone K = { x :
+ * x_n >= |x_t| }, which is its own dual. With z the scaled u + mu |u_t| n the problem is: x and z
+ * in K, x.z = 0, and
  *
  *   (HO1)  W x + q + t p + (s_c - t c) e = z,   s_c = sqrt(|z_t|^2 + (t c)^2),   e = (1, 0[, 0])
  *   (HO2)  x o z = t a b e,                     x o z = (x.z, x_n z_t + z_n x_t)
  *
- * at t = 0. At t = 1 it is solved by x = a e, z = b e, which defines p. Where friction is large the
- * path between the two has folds: t rises again on parts of it, and methods that only let t fall
- * get stuck there. So the path is followed by its arc length.
+ * at t = 0. At t = 1 the solution is x = a e, z = b e, which defines p. Under large friction the
+ * path between the two has folds: t rises again on parts of it, and methods that only reduce t get
+ * stuck there. So the path is followed by its arc length.
  *
- *   (HO3)  scaling of Nesterov and Todd per candidate: P symmetric, lambda = P x = P^-1 z
+ *   (HO3)  scaling of Nesterov and Todd per contact: P symmetric, lambda = P x = P^-1 z
  *   (HO4)  a direction for residuals rho of (HO1), rc of (HO2), G = I - e g', g = (0, z_t / s):
  *          (W + G P^2) dx = G h - rho,  dz = h - P^2 dx,  h = P (lambda \ rc);  LU, one refinement
- *   (HO5)  tangent: (HO4) for the derivatives by log t. t falls where the determinant of (HO4) has
- *          the sign that it has at t = 1, and rises elsewhere
- *   (HO6)  predictor along the tangent, at most 0.95 of the way to the boundary of the cones;
- *          corrector: up to 5 of Newton's steps for (HO1), (HO2), orthogonal to the tangent in the
- *          norm |P dx|^2 + |P^-1 dz|^2, until rc < t a b / 5 and rho < t |p| / 5. The step grows
- *          threefold after one correction, and shrinks to a third where the corrector fails
- *   (HO7)  from t < 1e-2 on, and at every tenth of t, Newton's method (newton.c) from the x there:
- *          an interior point alone ends at a residual of about sqrt(t)
+ *   (HO5)  tangent: (HO4) for the derivatives by log t. t falls while the determinant of (HO4) has
+ *          its sign at t = 1, else it rises
+ *   (HO6)  predictor along the tangent, up to 0.95 of the distance to the boundary of the cones;
+ *          corrector: up to 5 Newton steps for (HO1), (HO2), orthogonal to the tangent in the norm
+ *          |P dx|^2 + |P^-1 dz|^2, until rc < t a b / 5 and rho < t |p| / 5. The step is
+ *          multiplied by 3 after 0 or 1 corrections, divided by 1.5 after 3 or 4, by 3 on failure
+ *   (HO7)  once t < 1e-2, then at every tenth of t, Newton's method (newton.c) starts from x: an
+ *          interior point alone ends at a residual of about sqrt(t)
  *
- *   (HO8)  Several starts are tried, because no one of them reaches all solutions: ten pairs (a, b)
- *          at first, then x_c = a f_c e, z_c = e / f_c with a near 1 and factors f_c between 1/64
- *          and 64, drawn again for each candidate and start: factors that follow from the number of
- *          the candidate by a rule are too much alike. A path that leads to a solution is usually
- *          short, so that many starts find more than long paths: 250 factorisations each, but 500
- *          for the ten. auto takes an eighth of them first, and the rest after other methods
+ *   (HO8)  Several starts are tried, because no single one reaches all solutions: ten pairs (a, b),
+ *          then x_c = a f_c e, z_c = e / f_c with a near 1 and f_c between 1/64 and 64, drawn for
+ *          each contact and start: factors by a rule from the contact's number are too similar. A
+ *          path to a solution is usually short, so many starts find more than long paths: the ten
+ *          get 500 factorisations each, the others 250. auto takes an eighth of them first, and the
+ *          rest after other methods
  *
  * Source: the scaling and the algebra of second-order cones as in Alizadeh and Goldfarb, Math.
  * Program. 95, 2003, 3-51; the turn by the sign of the determinant as in Allgower and Georg,
@@ -52,7 +52,7 @@
 #include "vi_internal.h"
 
 enum {
-  factorisations_per_row = 3000, /* of all starts: more states are to be found in more rows */
+  factorisations_per_row = 3000, /* of all starts: more rows have more states */
   least_factorisations = 3000,
   first_factorisations = 500,
   most_factorisations = 250
@@ -115,7 +115,7 @@ static void multiply_matrix(const homotopy *work, int nc, const double *x, doubl
   }
 }
 
-/* (HO3) for the point (x, z); returns 0 where it is not inside of the cones. */
+/* (HO3) for the point (x, z); returns 0 if it is not inside the cones. */
 static int scale_point(homotopy *work, const dls_contact *problem, const double *x,
                        const double *z) {
   const int d = work->d;
@@ -163,7 +163,7 @@ static int factorise(homotopy *work, const dls_contact *problem, const double *x
   return 1;
 }
 
-/* (HO4) for work->rho, work->rc and the matrix factorised last */
+/* (HO4) Solves for work->rho, work->rc with the matrix factorised last. */
 static void solve_direction(homotopy *work, int nc, double *dx, double *dz) {
   const int d = work->d, m = d * nc;
   const dlsi_dense factors = {.n = m, .A = work->M, .pivot = work->pivot};
@@ -195,8 +195,8 @@ static void solve_direction(homotopy *work, int nc, double *dx, double *dz) {
   }
 }
 
-/* Sets rho, rc to the residuals of (HO1), (HO2) at (x1, z1, t1), which the matrix was factorised
- * for. Returns the larger one over its size, as (HO6) compares it; NaN stays. */
+/* Sets rho, rc to the residuals of (HO1), (HO2) at (x1, z1, t1), for which the matrix was
+ * factorised. Returns the larger relative one, as (HO6) compares it; NaN stays. */
 static double set_residuals(homotopy *work, const dls_contact *problem) {
   const int d = work->d, m = d * problem->nc;
   const double t = work->t1, product = t * work->tau;
@@ -265,7 +265,7 @@ static double largest_step(const homotopy *work, int nc, const double *x, const 
 
 /* ---- the path -------------------------------------------------------------------------------- */
 
-/* Fills W, q, S, b. Returns 0 where W has no diagonal or q = 0. */
+/* Fills W, q, S, b. Returns 0 if W has no diagonal or q = 0. */
 static int scale_problem(homotopy *work, const dls_contact *problem) {
   const int d = work->d, nc = problem->nc, m = d * nc;
   const double unit = dlsi_cone_scales(problem, work->eta, work->S);
@@ -365,7 +365,7 @@ static int take_step(homotopy *work, const dls_contact *problem, double tt, doub
   return 0;
 }
 
-/* Offers the r of the point, and from t < 1e-2 what Newton's method makes of it (HO7). */
+/* Offers the r of the point and, once t < 1e-2, the result of Newton's method from it (HO7). */
 static dls_status offer_point(homotopy *work, const dls_contact *problem, double *tried,
                               dls_error *error) {
   const int m = work->d * problem->nc;

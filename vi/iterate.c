@@ -1,6 +1,6 @@
 /*
- * iterate.c: what every iteration on the reactions has: a workspace in one piece, the weights, the
- * certificate of the iterate, the best r so far, the limits, and the hand-over of the answer.
+ * iterate.c: the common part of all iterations on the reactions: a workspace in one piece, weights,
+ * the certificate of the iterate, the best r so far, the limits, and the answer.
  */
 #include <float.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "linear/blas.h"
 #include "vi_internal.h"
 
-/* Returns the error that r may have by its certificate, infinite for NaN. */
+/* Returns the error of r that its certificate allows, infinite for NaN. */
 static double error_of(const dls_certificate *c) {
   const double rounding = 4 * c->floor_u;
   const double error = rounding > c->residual ? rounding : c->residual;

@@ -1,21 +1,21 @@
 /*
- * joints.c: W + R of structures of rigid bodies, R = diag(rho_c), by a matrix of fewer unknowns.
+ * joints.c: solves with W + R, R = diag(rho_c), of rigid structures by a matrix of fewer unknowns.
  *
- *   (JO1)  A joint j: candidates with the same neighbours in W, the corners of two faces that
+ *   (JO1)  A joint j: contacts with the same neighbours in W, the corners of two faces that
  *          touch. W_jj = L L^T by pivoted Cholesky, L of full rank; Q_j: an orthonormal basis of L.
- *          Two bodies have 3 or 6 motions relative to each other, where the corners of their faces
- *          have 4 or 12 unknowns. W is semidefinite, so that W = Q W' Q^T with W' = Q^T W Q.
+ *          Two bodies have 3 or 6 motions relative to each other, while the corners of their
+ *          faces have 4 or 12 unknowns. W is semidefinite, so that W = Q W' Q^T with W' = Q^T W Q.
  *   (JO2)  B = Q^T R^-1 Q, a block per joint;  W' + B^-1 = L L^T, sparse
  *   (JO3)  (W + R) x = R p - Q g:   (W' + B^-1) s = B^-1 Q^T p - g,
  *                                   x = p - R^-1 Q B^-1 (Q^T p - s)
  *
- * (JO3) is W x = Q W' Q^T x with s = Q^T x. No term of it is divided by a small rho alone: what W
- * does not see of x is p, to its last digit.
+ * (JO3) uses W x = Q W' Q^T x with s = Q^T x. No term is divided by a small rho alone: the part of
+ * x that W maps to 0 is that of p, to its last digit.
  *
- * Where every joint has as many motions as unknowns, Q = I, and W' + B^-1 = W + R.
- * Cost: half of the unknowns of a wall or a tower in 3D, an eighth of the work to factorise; three
- * quarters of them in 2D.
- * What can fail: memory; a W that is not symmetric and semidefinite, which a product shows.
+ * If every joint has as many motions as unknowns, Q = I, and W' + B^-1 = W + R.
+ * Cost: 1/2 of the unknowns of a wall or a tower in 3D, 1/8 of the work to factorise; 3/4 of the
+ * unknowns in 2D.
+ * What can fail: memory; a W that is not symmetric and semidefinite, which a product detects.
  */
 #include "vi/joints.h"
 
@@ -28,11 +28,11 @@
 #include "linear/dissection.h"
 #include "vi_internal.h"
 
-enum { joint_most = 8, joint_unknowns = 3 * joint_most }; /* candidates: a brick has four corners */
+enum { joint_most = 8, joint_unknowns = 3 * joint_most }; /* contacts: a brick has four corners */
 static const double joint_rank = 1e-12;    /* of the largest pivot; smaller ones are rounding */
-static const double joint_rest = 1e-12;    /* of the largest entry of v; smaller ones, too */
+static const double joint_rest = 1e-12;    /* of the largest entry of v; smaller is rounding */
 static const double joint_profile = 2;     /* joints_in_order */
-static const double joint_mismatch = 1e-8; /* of W, over its entries: the certificate shows more */
+static const double joint_mismatch = 1e-8; /* of W, over its entries; the certificate shows less */
 
 /* ---- (JO1) ----------------------------------------------------------------------------------- */
 
@@ -44,7 +44,7 @@ static uint64_t joint_hash(const dls_blocks *W, int c) {
   return sum;
 }
 
-/* Returns 1 if all rows of column c are marked as those of candidate `of`. */
+/* Returns 1 if all rows of column c are marked as those of contact `of`. */
 static int joint_alike(const dls_blocks *W, int c, int of, const int *mark) {
   for (int k = W->p[c]; k < W->p[c + 1]; k++)
     if (mark[W->i[k]] != of) return 0;
@@ -238,7 +238,7 @@ static void joints_fold(const dlsi_joints *work, const double *v, double *motion
   }
 }
 
-/* v := v - Q motions, entries of candidate c over rho_c; rho NULL: 1 */
+/* v := v - Q motions, entries of contact c over rho_c; rho NULL: 1 */
 static void joints_unfold(const dlsi_joints *work, const double *motions, const double *rho,
                           double *v) {
   const int d = work->d;
@@ -264,7 +264,7 @@ void dlsi_joints_split(const dlsi_joints *work, double *v, double *motions) {
     if (fabs(v[i]) <= joint_rest * size) v[i] = 0;
 }
 
-/* Returns 1 if W g = Q W' Q^T g for a g without any pattern, with W' from its lower triangle.
+/* Returns 1 if W g = Q W' Q^T g for a patternless g, with W' from its lower triangle.
  * scratch: 3 m. */
 static int joints_match(const dlsi_joints *work, const dls_contact *problem, const double *S,
                         double unit, double *scratch) {
@@ -293,7 +293,7 @@ static int joints_match(const dlsi_joints *work, const dls_contact *problem, con
 /* ---- create ---------------------------------------------------------------------------------- */
 
 /* Returns 1 if the numbers of the joints are a good order already: the rows of the factor, from
- * their first entries on, have at most twice as many as those of W'. first: scratch, n. */
+ * their first entries on, have at most twice the entries of W'. first: scratch, n. */
 static int joints_in_order(const dlsi_joints *work, int *first) {
   double profile = 0;
   for (int i = 0; i < work->n; i++)
@@ -305,8 +305,8 @@ static int joints_in_order(const dlsi_joints *work, int *first) {
   return profile <= joint_profile * (double)work->entries;
 }
 
-/* Orders and analyses the matrix of (JO2). A chain, a tower or an arch stands in a good order,
- * which METIS would take as long to find as all the rest. DLS_E_MEMORY. */
+/* Orders and analyses the matrix of (JO2). A chain, a tower or an arch is in a good order, which
+ * METIS would take as long to find as all the rest takes. DLS_E_MEMORY. */
 static dls_status joints_analyse(dlsi_joints *work, dls_error *error) {
   const size_t n = (size_t)work->n;
   int *order = dlsi_alloc(2 * n, sizeof *order), *turn = order + n;
@@ -400,7 +400,7 @@ void dlsi_joints_destroy(dlsi_joints *work) {
 
 /* ---- factor and solve ------------------------------------------------------------------------ */
 
-/* Computes B_j^-1 of a joint. Returns 0, or k > 0 where a pivot is not positive. */
+/* Computes B_j^-1 of a joint. Returns 0, or k > 0 if pivot k is not positive. */
 static int joint_invert(const dlsi_joints *work, int J, const double *rho, double *inverse) {
   const int n = joint_size(work, J), rank = work->rank[J], d = work->d;
   const int *list = work->list + work->first[J];

@@ -10,7 +10,7 @@ typedef struct dlsi_joints {
   int d, nc, count, n; /* n: motions of all joints */
   int *first;          /* count + 1: joint j is list[first[j]] .. list[first[j + 1] - 1] */
   int *list;           /* nc */
-  int *joint, *place;  /* nc: joint of each candidate, its place among those of the joint */
+  int *joint, *place;  /* nc: joint of each contact, its place among those of the joint */
   int *rank, *at;      /* count: motions, the first of these */
   size_t *basis;       /* count: Q_j begins at Q + basis[j]: unknowns x rank, column-major */
   size_t *inverse;     /* count: B_j^-1 begins at inverses + inverse[j]: rank x rank */
@@ -23,15 +23,15 @@ typedef struct dlsi_joints {
 } dlsi_joints;
 
 /* Finds the joints of S W S / unit by blocks, and orders and analyses its matrix. *out = NULL on
- * error. DLS_STALLED where the result is not that W: it is not symmetric, or not semidefinite.
+ * error. DLS_STALLED if Q W' Q^T is not that W: it is not symmetric or not semidefinite.
  * DLS_E_MEMORY. S: m. */
 dls_status dlsi_joints_create(dlsi_joints **out, const dls_contact *problem, const double *S,
                               double unit, dls_error *error);
 
-/* Factorises for rho (nc). Returns 0, k > 0 where a pivot is not positive, -1 without memory. */
+/* Factorises for rho (nc). Returns 0, k > 0 if pivot k is not positive, -1 without memory. */
 int dlsi_joints_factor(dlsi_joints *work, const double *rho);
 
-/* v' := Q^T v (n), v := v - Q v' (m), which is exactly 0 where it is rounding. */
+/* motions := Q^T v (n), v := v - Q motions (m), its rounding errors set to 0. */
 void dlsi_joints_split(const dlsi_joints *work, double *v, double *motions);
 
 /* x := the solution of (W + R) x = R p - Q g with the rho of the factorisation; p, x: m, g: n. */

@@ -2,23 +2,22 @@
  * lanes.c: sweeps of Gauss-Seidel over several small problems at once, one in each lane of the
  * processor's registers.
  *
- * A sweep over one small problem is a chain of roots and divisions, each waiting for the one
- * before; so many problems side by side take little longer than one.
+ * A sweep over one small problem is a chain of roots and divisions, each waiting for the last.
+ * Eight problems side by side take little longer than one.
  *
  *   (LA1)  for c = 1 .. nc, in all lanes:
- *            p := u_c - W_cc r_c;  s := the solution of candidate c alone;  dr := s - r_c
+ *            p := u_c - W_cc r_c;  s := the solution of contact c alone;  dr := s - r_c
  *            r_c := s,  u := u + W(:,c) dr
- *   (LA2)  until in each lane |w dr| <= tol |q| / 4 and |dr| <= tol |r| / 4 in a sweep, or the
- *          limit
+ *   (LA2)  until in each lane |w dr| <= tol |q| / 4 and |dr| <= tol |r| / 4 in a sweep, at most 32
+ *          sweeps
  *
- * The local solution is that of local.c, (LO1)-(LO5): free, stick by Cramer's rule, else slip,
- * whose l is that of the candidate's last visit after two of Newton's steps: the sweeps correct
- * what these leave. Every lane has d = 3: for d < 3 the missing tangents have a diagonal of their
- * own and q = 0, so that they stay 0.
+ * The local solution is (LO1)-(LO5) of local.c: free, stick by Cramer's rule, else slip, whose l
+ * takes two Newton steps from that of the last visit; the sweeps correct the rest. Every lane has
+ * d = 3: if d < 3, the missing tangents have a diagonal of their own and q = 0, so they stay 0.
  *
- * Cost: a sweep over nc candidates reads 9 nc^2 doubles a lane, which stay in the cache.
- * What can fail: whatever fails for Gauss-Seidel, and l that two steps do not follow. Nothing is
- * said of the answer here: the caller measures it.
+ * Cost: a sweep over nc contacts reads 9 nc^2 doubles a lane, which stay in the cache.
+ * What can fail: what fails for Gauss-Seidel, and an l that two steps do not find. The answer has
+ * no certificate: the caller measures it.
  */
 #include <float.h>
 #include <math.h>
@@ -29,12 +28,12 @@
 
 enum { lanes = dlsi_lanes, lane_rows = 3 * dlsi_lane_candidates, lane_steps = 2 };
 enum { lane_look = 2, lane_sweeps = 32 };
-/* Of tol; of 1/4 and 1/16 the faster on boxes with four candidates, as 32 sweeps of 32 to 96. */
+/* Of tol; 1/4 beats 1/16 on boxes with four contacts, and 32 sweeps beat more, up to 96. */
 static const double lane_margin = 1. / 4;
 
 typedef double lane[lanes];
 
-/* What one candidate is solved with: W_cc by local.c's names, and l of its last visit. */
+/* Data of one contact: W_cc by local.c's names, and l of its last visit. */
 typedef struct lane_block {
   lane mu, W[9], inv_a, c[2], S[4], det, inv_det, trace, l;
 } lane_block;
@@ -89,7 +88,7 @@ void dlsi_lane_get(const dlsi_lane_work *work, int k, int d, double *r) {
       *r++ = work->r[3 * c + i][k];
 }
 
-/* Computes what the blocks W_cc alone give. */
+/* Computes the terms that depend on the blocks W_cc alone. */
 DLSI_CLONES static void lane_prepare(dlsi_lane_work *work) {
   for (int c = 0; c < work->nc; c++) {
     lane_block *b = &work->block[c];
@@ -111,14 +110,14 @@ DLSI_CLONES static void lane_prepare(dlsi_lane_work *work) {
   }
 }
 
-/* ---- one candidate --------------------------------------------------------------------------- */
+/* ---- one contact ----------------------------------------------------------------------------- */
 
 /* The local problem of all lanes: p, (LO2), adj(S) z; s: the solution. */
 typedef struct lane_local {
   lane p, z[2], N[2], s[3];
 } lane_local;
 
-/* s := free or stick. Returns 1 if some lane has to slip; slips: 1 for these. */
+/* s := free or stick. Returns 1 if some lane has to slip; slips: 1 in these. */
 static DLSI_INLINE int lane_stick(const lane_block *b, lane *u, lane *r, lane_local *at,
                                   lane slips) {
   double any = 0;
@@ -146,7 +145,7 @@ static DLSI_INLINE int lane_stick(const lane_block *b, lane *u, lane *r, lane_lo
   return any > 0;
 }
 
-/* s := slip in the lanes that slip; l: of the next visit. */
+/* s := slip in the lanes that slip; l is kept for the next visit. */
 static DLSI_INLINE void lane_slip(lane_block *b, const lane slips, lane_local *at) {
   for (int k = 0; k < lanes; k++) {
     const double p0 = at->p[k], z0 = at->z[0][k], z1 = at->z[1][k], mu = b->mu[k];

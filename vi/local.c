@@ -1,5 +1,5 @@
 /*
- * local.c: the exact solution of one candidate alone, [Jean 1988] (3.3)5-6 for nc = 1.
+ * local.c: the exact solution of one contact alone, [Jean 1988] (3.3)5-6 for nc = 1.
  *
  *   u = W r + q,  W = (a b^T; c B),  0 <= u_n _|_ r_n >= 0,  |r_t| <= mu r_n,
  *   u_t = 0 where |r_t| < mu r_n,  u_t = -alpha r_t with alpha >= 0 else
@@ -11,27 +11,26 @@
  *   slip   (LO4)  (S + l I) r_t = -z,  h(l) = |r_t| - mu r_n = 0,  l > 0
  *          (LO5)  r_n = -q_n / (a + mu b.e),  r_t = mu r_n e  with e = r_t / |r_t|
  *
- * 2D: e = +1 or -1, so (LO5) and the sign of u_t settle slip: four states, each tried in full,
- * which is exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with
- * several. For q_n < 0 both slips can only hold together with stick: on the segment u_n = 0 between
- * the two, all of it in the cone, the affine u_t changes sign. So the order of the two slips does
- * not matter.
+ * 2D: e = +1 or -1, so (LO5) and the sign of u_t decide slip. All four states are tried, which is
+ * exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with several. If q_n
+ * < 0, both slips hold only together with stick: on the segment u_n = 0 between them, which lies in
+ * the cone, the affine u_t changes sign. So the order of the two slips does not matter.
  *
- * 3D: q_n < 0 and no stick mean h(0) > 0 > h(inf) = mu q_n / a, so that h has a root if S + l I
- * stays regular on the way, which it does for W positive semidefinite. The root is bracketed and
- * found by Newton on 1/|r_t| - 1/(mu r_n), almost linear in l (More and Sorensen's secular form),
- * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. Where q_n is so
- * small beside z that l drowns S, r_t is along -z. (LO5) then makes
- * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t. A
- * singular S needs no care: its stick solutions are the limit l -> 0 of (LO4). r_t(l) follows from
- * Cramer's rule, one division: (LO5) takes no more than its direction. Stick takes its length, too,
- * so that (LO3) is by the LU factors of S, which W_cc alone gives.
+ * 3D: if q_n < 0 and no stick, h(0) > 0 > h(inf) = mu q_n / a. So h has a root if S + l I stays
+ * regular for l > 0, as for W positive semidefinite. The root is bracketed and found by Newton's
+ * method on 1/|r_t| - 1/(mu r_n), almost linear in l (More and Sorensen's secular form), on h if
+ * r_n <= 0, and by bisection if a step leaves the bracket. If q_n is so small beside z that S is
+ * lost in S + l I, r_t is along -z. (LO5) makes u_n = 0 and |r_t| = mu r_n hold to rounding; the
+ * error left is the angle between u_t and -r_t. A singular S needs no care: its stick solutions are
+ * the limit l -> 0 of (LO4). r_t(l) follows from Cramer's rule with one division: (LO5) uses only
+ * its direction. Stick uses its length, too, so (LO3) takes LU factors of S, which W_cc alone
+ * gives.
  *
- * (LO4) squared is a quartic in l: its positive roots give all slip solutions in 3D, and so
- * how many solutions there are. That is for the count, and for W that is not positive semidefinite,
- * whose root may lie elsewhere than in the bracket.
+ * (LO4) squared is a quartic in l, whose positive roots give all slip solutions in 3D and their
+ * number. It serves the count, and a W that is not positive semidefinite, whose root may lie
+ * outside the bracket.
  *
- * Where nothing solves the problem, the answer is the trial point with the smallest |F| of the
+ * If nothing solves the problem, the answer is the trial point with the smallest |F| of the
  * certificate. Cost and accuracy: see README.md.
  */
 #include <float.h>
@@ -40,17 +39,17 @@
 
 #include "vi_internal.h"
 
-/* Accepts |F| <= rounding (w |r| + |q|) as a solution where every exact test has failed. */
+/* Accepts |F| <= rounding (w |r| + |q|) as a solution if every exact test has failed. */
 static const double rounding = 1e-12;
 
-/* Takes solutions that differ by less than this part of r_n, r_t for one, and an |h| this close to
- * 0 for a root, not a pole. */
+/* Two solutions are one if r_n, r_t differ by less than this fraction; an |h| this close to 0 is a
+ * root, not a pole. */
 static const double same = 1e-8;
 
-/* The fourth power of r in Newton's steps is a number still. */
+/* Size of r above which its fourth power in Newton's steps does not underflow. */
 static const double least_size = 0x1p-200;
 
-/* Ends Newton's steps in l at one of this part of l: the next step would be of its square. */
+/* Newton's last step in l, as a fraction of l: the next step would be of its square. */
 static const double last_step = 1e-8;
 
 static dls_local_state local_set(int d, double *r, double n, double t, double s,
@@ -70,7 +69,7 @@ typedef struct point {
 
 static const point apart = {{0, 0, 0}, DLS_LOCAL_NONE}; /* for q_n < 0 */
 
-/* r := the one of n points with the smallest |F|; the first point is r = 0, and NaN never wins. */
+/* r := the point with the smallest |F| of n points; the first is r = 0, and NaN never wins. */
 static dls_local_state least_bad(int d, const double *W, const double *q, double mu,
                                  const point *points, int n, double *r) {
   double trace = 0, largest = 0;
@@ -124,7 +123,7 @@ static int stick_2d(const dlsi_block_2d *b, const double *q, double *r) {
   return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= b->mu * r[0];
 }
 
-/* (LO5) with e = sign; 1 if u_t opposes it. */
+/* (LO5) with e = sign. Returns 1 if u_t opposes it. */
 static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r) {
   r[0] = -q[0] * b->inv_slip[sign > 0];
   r[1] = sign * b->mu * r[0];
@@ -132,7 +131,7 @@ static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r)
          sign * (q[1] + b->W[1] * r[0] + b->W[3] * r[1]) <= 0;
 }
 
-/* Solves for mu = 0, where the tangential row only tells stick from slip. */
+/* Solves for mu = 0, where the tangential rows only separate stick from slip. */
 static dls_local_state frictionless(int d, const double *W, const double *q, double *r) {
   if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
   local_set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
@@ -273,7 +272,7 @@ static inline double local_newton(const schur *s, const local_trial *c) {
 
 static dls_local_state slip_3d_small(const schur *s, double guess, double *r);
 
-/* Solves (LO4) for q_n < 0 from guess, or from 0 where guess is not > 0. Returns DLS_LOCAL_NONE if
+/* Solves (LO4) for q_n < 0 from guess, or from 0 if guess is not > 0. Returns DLS_LOCAL_NONE if
  * it finds no root. */
 static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
@@ -303,7 +302,7 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
     if (h <= 0)
       hi = l;
     else
-      lo = l; /* also where S is singular and t is not finite */
+      lo = l; /* also if S is singular and r_t is not finite */
     const double next = l + local_newton(s, &c);
     if (fabs(next - l) <= last_step * l && fabs(h) <= same * size) {
       const local_trial last = local_evaluate(s, next);
@@ -319,8 +318,8 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   return DLS_LOCAL_NONE;
 }
 
-/* The same in another unit of q: a sweep over bodies upon each other begins with r that halve from
- * one to the next, and bisection of what underflows takes longer than all else. */
+/* The same in a larger unit of q: in the first sweep over stacked bodies r halves from one to the
+ * next, and bisection of what underflows takes longer than all the rest. */
 static dls_local_state slip_3d_small(const schur *s, double guess, double *r) {
   const double up = 1 / least_size;
   const schur larger = {.block = s->block,
@@ -336,9 +335,9 @@ static dls_local_state slip_3d_small(const schur *s, double guess, double *r) {
   return state;
 }
 
-/* Finds the positive roots, in increasing order, of p[0] + .. + p[n] x^n, p[n] != 0: between the
- * roots of the derivative p is monotonic, so bisection finds what there is. All roots lie below 1 +
- * max |p_i/p_n|, and so do those of the derivatives (Gauss-Lucas). */
+/* Finds the positive roots, in increasing order, of p[0] + .. + p[n] x^n, p[n] != 0. Between the
+ * roots of its derivative p is monotonic, so bisection finds all. All roots are below 1 + max
+ * |p_i/p_n|, and so are those of the derivatives (Gauss-Lucas). */
 static int positive_roots(int n, const double *p, double *x) {
   double last = 1;
   for (int i = 0; i < n; i++)
@@ -385,8 +384,8 @@ static int positive_roots(int n, const double *p, double *x) {
 }
 
 /* All slip solutions: with N = adj(S + l I) z, D = det(S + l I), r_t = -N / D and (LO4) squared is
- * a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic p in x = l / scale; r_n = -E / (a D) > 0 is
- * left. */
+ * a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic p in x = l / scale. What remains to be tested is
+ * r_n = -E / (a D) > 0. */
 typedef struct slip_quartic {
   double p[5], E[3];    /* powers of x */
   double N[2], z[2];    /* N = N(0) + x z */
@@ -416,7 +415,7 @@ static slip_quartic slip_quartic_of(const schur *s) {
                         .trace = trace};
 }
 
-/* Returns how many slip solutions there are at most: by Descartes' rule, the changes of sign. */
+/* Returns the largest number of slip solutions: by Descartes' rule, the changes of sign. */
 static int most_slips(const slip_quartic *k) {
   int changes = 0;
   double last = 0;
@@ -476,7 +475,7 @@ static int count_3d(const dlsi_block_3d *b, const double *q) {
   double stick[3];
   n += stick_3d(&s, stick);
   const slip_quartic quartic = slip_quartic_of(&s);
-  const int most = n + most_slips(&quartic); /* one at most is the answer that there is */
+  const int most = n + most_slips(&quartic); /* at most one: the known answer */
   return most <= 1 ? most : n + all_slips(&s, &quartic, slip);
 }
 
@@ -510,7 +509,7 @@ dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double m
   }
   if (count) {
     *count = state == DLS_LOCAL_NONE ? 0 : dlsi_local_count(d, W, q, mu);
-    /* the answer itself counts, where rounding tells the two tests apart */
+    /* if rounding makes the two tests differ, the answer counts */
     if (state != DLS_LOCAL_NONE && *count < 1) *count = 1;
   }
   memcpy(r, p, (size_t)d * sizeof *r);

@@ -4,19 +4,19 @@
  *   r_k  the start of sweep k, r' = g(r_k) its end;  e = r_k - r',  G = sum_c w_c |e_c|^2
  *
  *   (MO1)  k := k + 1,  b = (k - 1) / (k + 10)
- *   (MO2)  k := 0, b := 0 if sum_c w_c e_c . p_c > 0, the last step was uphill, or G > 2 G*
+ *   (MO2)  k := 0, b := 0 if sum_c w_c e_c . p_c > 0 (the last step was uphill) or G > 2 G*
  *   (MO3)  G* := G if G < G* or b = 0
  *   (MO4)  r_k+1 = r' + b p,  u_k+1 = u' + b p_u;   p := r_k+1 - r_k,  p_u := u_k+1 - u_k
  *
- * u = W r + q is affine in r, so that (MO4) costs no product with W. r_k+1 may lie outside of the
- * cones; the sweep that follows does not mind.
+ * u = W r + q is affine in r, so (MO4) costs no product with W. r_k+1 may lie outside the cones,
+ * which the next sweep allows.
  *
- * Source: Nesterov 1983 with the restart of O'Donoghue and Candes 2015. Deviation: + 10 in place of
- * + 2 in (MO1), and the second rule of (MO2): on packings of rigid bodies, whose friction makes the
- * sweep a map that is not the gradient of anything, larger extrapolations cycle.
+ * Source: Nesterov 1983 with the restart of O'Donoghue and Candes 2015. Deviations: + 10 for + 2 in
+ * (MO1), and the second rule of (MO2). On packings of rigid bodies friction makes the sweep a map
+ * that is no gradient, and larger extrapolations cycle.
  *
- * Cost of a step: 10 m operations. What can fail: where the sweep has eigenvalues of modulus near 1
- * that are not real, a b near 1 makes them larger than 1; the caller bounds b then.
+ * Cost of a step: 10 m operations. What can fail: if the sweep has complex eigenvalues of modulus
+ * near 1, a b near 1 makes them larger than 1; the caller then bounds b.
  */
 #include <math.h>
 #include <string.h>
@@ -31,7 +31,7 @@ void dlsi_momentum_carve(dlsi_momentum *mo, dlsi_arena *arena, size_t m) {
   dlsi_take_vectors(arena, m, 4, vectors);
 }
 
-/* v[at] := from[at] (0 where from is NULL) for d entries each of the candidates of a set. */
+/* v[at] := from[at] (0 where from is NULL) for d entries each of the contacts of a set. */
 static void momentum_copy(size_t d, dlsi_set set, const double *from, double *v) {
   if (!set.list && from) memcpy(v, from, d * (size_t)set.count * sizeof *v);
   if (!set.list && !from) memset(v, 0, d * (size_t)set.count * sizeof *v);
@@ -101,7 +101,7 @@ static void momentum_extrapolate(size_t d, dlsi_set set, int first, int end, dou
     }
 }
 
-/* (MO4) for a piece of r, or, the pieces after those, of u. */
+/* (MO4) for a piece of r or, after those, of u. */
 static void momentum_push(void *data, int piece) {
   momentum_step *s = data;
   const int of_u = piece >= s->pieces, k = of_u ? piece - s->pieces : piece;

@@ -1,15 +1,15 @@
 /*
  * newton.c: nonsmooth Newton on the friction law, d = 2 and 3.
  *
- * With w_c of the certificate, x = w r_n - u_n and tau = w r_t - u_t per candidate, u = W r + q,
+ * With w_c of the certificate, x = w r_n - u_n and tau = w r_t - u_t per contact, u = W r + q,
  * the law is AC(r, u) = 0,
  *
  *   AC_c = w r_c - ( max(0, x),  tau put on the disc of radius R ),   R = mu max(0, x)
  *
  * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). Its generalised derivative
- * is reduced by hand: the branch of a candidate says which part of its new r is known, and only the
- * rest stays unknown. With r0 = r + known part, u0 = W r0 + q, t = tau / |tau| and, in 3D, p = t
- * turned by 90 degrees, one step is
+ * is reduced by hand: the branch of a contact fixes a part of its new r, and only the rest is
+ * unknown. With r0 = r + known part, u0 = W r0 + q, t = tau / |tau| and, in 3D, p = t turned by 90
+ * degrees, one step is
  *
  *   (NE1)  free   x <= 0        r0_c = 0                               nothing unknown
  *          stick  |tau| <= R    r0_c = r_c                             dr_c:  u0_c + W_c dr = 0
@@ -19,47 +19,45 @@
  *                               l = w (|tau| - R) / R
  *          slip, mu = 0         r0_c = (r_n, 0), unknown a:            u0_n + W_n dr = 0
  *   (NE2)  these rows and columns of W + eps diag(w), and l on the rows of b: one factorisation,
- *          one solve. While the states stay, and in 3D nobody slides, the matrix does, and its
- *          factors are kept. Dense: Cholesky's where the matrix is symmetric (all stick, or mu = 0,
- *          and W is), else LU; and where few candidates have changed, the factors still serve
- *          (border.c).
+ *          one solve. The matrix and its factors stay while no state changes and, in 3D, nothing
+ *          slips. Dense: Cholesky if the matrix is symmetric (all stick, or mu = 0, and W is
+ *          symmetric), else LU; if few contacts have changed, the old factors serve (border.c).
  *   (NE3)  r := r0 + dr
  *
- * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by R /
- * |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
- * steps then shrink the error by eps cond(W) or so instead of squaring it. Where no state has
- * changed since the last step and the factors are dense, a second solve gives back what eps has
- * taken, if that is small. If the matrix is singular all the same, eps grows a hundredfold
- * for good, from 1e-8 on. And eps grows tenfold, up to 1e-2, after each 4 steps in a row that did
- * not halve the residual: on a W of low rank the rounding of W r + q comes back divided by eps, and
- * shorter steps go round among states less often.
+ * k and mu a are the linearised row of AC along t. The row of b is the row along p divided by
+ * R / |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular if W is not, and does not change
+ * AC: a step then multiplies the error by about eps cond(W) instead of squaring it. If no state has
+ * changed since the last step and the factors are dense, a second solve corrects for eps, if that
+ * is small. eps grows a hundredfold, from 1e-8 on, if the matrix is singular all the same, and
+ * tenfold, up to 1e-2, after each 4 steps in a row that did not halve the residual: on a W of low
+ * rank eps divides the rounding of W r + q, and shorter steps cycle among states less often.
  *
- * With springs, u = (W + diag(E)) r + q (augmented.c), E stands beside eps diag(w) in (NE2).
+ * With springs, u = (W + diag(E)) r + q (augmented.c), E is added to eps diag(w) in (NE2).
  *
- *   (NE0)  First, sweeps of Gauss-Seidel (nlgs.c) sort the states: from r = 0 the full step alone
- *          goes round among states too often.
+ *   (NE0)  First, sweeps of Gauss-Seidel (nlgs.c) find the states: from r = 0 full steps alone
+ *          cycle among states too often.
  *   (NE4)  Line search, for starts without sweeps: r + s (r' - r), s = 1, 1/2, .. 1/64, until |AC|
  *          is below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J.
  *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
- *   (NE5)  A step in a sequence of problems begins with the factors of the one before, which serve
+ *   (NE5)  In a sequence of problems a solve begins with the factors of the one before, which serve
  *          loosely (border.c, BO7): while the states stay, directions of slip may turn and l may
- *          change. Right sides are exact, so that only the rate suffers (a chord method). Of slips
- *          r0 - r is of second order; its product is left out where it is a tenth of the error or
- *          less. W may have changed, too: where a step leaves more than a fourth of the right side
- *          of (NE2), the next factors are made again.
+ *          change. Right sides are exact, so only the rate suffers (a chord method). For slips
+ *          r0 - r is of second order; its product is omitted if it is at most 10 % of the error. W
+ *          may have changed, too: if a step leaves more than 25 % of the right side of (NE2), new
+ *          factors are made.
  *   (NE6)  d = 3: steps by the same factors in the same states are combined (anderson.c, with f =
- *          w (next - r), 5 differences): where directions have turned so far that a step leaves a
- *          sixth of the error, the combination leaves a tenth.
+ *          w (next - r), 5 differences): if directions have turned so far that a step leaves 1/6 of
+ *          the error, the combination leaves 1/10.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
- * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
+ * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r is kept.
  *
- * Deviation from the full method, which has m unknowns whatever the states: only that arithmetic is
- * saved, the iterates are the same but for eps.
- * Cost of a step: a product with W, another one with what (NE1) sets, and an LU of the unknowns:
- * 2/3 k^3 dense, half of that by Cholesky, much less sparse.
- * What can fail: nothing makes it converge from afar, and states may go round without end (cycle in
+ * Deviation: the full method has m unknowns in any states. Only arithmetic is saved; the iterates
+ * differ by eps alone.
+ * Cost of a step: a product with W, another one for (NE1), and an LU of the k unknowns: 2/3 k^3
+ * dense, half of that by Cholesky, much less sparse.
+ * What can fail: it need not converge from afar, and states may cycle without end (cycle in
  * tests/method/test_newton.c): DLS_STALLED.
  */
 #include <float.h>
@@ -76,18 +74,18 @@
 enum { most_steps = 30, patience = 12, impatience = 4, memory = 5, halvings = 6 };
 enum { window = 5 }; /* (NE6) */
 
-static const double least_eps = 1e-8;   /* cures a singular matrix */
-static const double most_eps = 1e-2;    /* bounds what a lack of progress leads to */
+static const double least_eps = 1e-8;   /* first eps for a singular matrix */
+static const double most_eps = 1e-2;    /* bound of eps without progress */
 static const double not_known = -1;     /* friction of a contact that is new to the factors */
 static const double stale = 0.25;       /* (NE5) */
 static const double slight = 0.1;       /* (NE5): |w (r0 - r)| over |F| */
-static const double small_part = 0.1;   /* of a solution, that eps may take from it */
+static const double small_part = 0.1;   /* of a solution: the largest correction for eps */
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
 struct dls_newton {
   dls_newton_settings settings;
   int d, nc;
-  int stage;            /* of auto: from r as given */
+  int stage;            /* of auto: from the given r */
   dls_nlgs *nlgs;       /* NULL without sweeps */
   dlsi_iterate it;      /* its u is that of r */
   dlsi_states_matrix A; /* (NE2) for the base states of the border */
@@ -100,10 +98,10 @@ struct dls_newton {
   int same;             /* 1: the states are those of the step before */
   dlsi_border border;
   dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
-  int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
-  int no_more;         /* 1: that run ends where it would factorise */
-  int anew;            /* 1: changed states are factorised again, as those of W by blocks are */
-  const double *known; /* u of the start of the next run, NULL: it is not known */
+  int keeps, kept_nc;  /* (NE5): 1 if the next run may; contacts of the factors */
+  int no_more;         /* 1: that run ends before it factorises */
+  int anew;            /* 1: changed states are factorised again, as for W by blocks */
+  const double *known; /* u of the start of the next run, NULL: unknown */
   dlsi_room own;       /* of the matrix, unless the caller has one */
   dlsi_formed formed;  /* W of bodies by blocks */
 };
@@ -192,7 +190,7 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
   return dlsi_states_factor(&work->A, problem, shift, work->it.a, error);
 }
 
-/* Solves (NE2) once more for what eps has taken from the solution x, k unknowns, and adds that if
+/* Solves (NE2) once more for the error by eps of the solution x, k unknowns, and adds the result if
  * it is small beside x. it.F: scratch. */
 static void newton_refine(dls_newton *work, const dls_contact *problem, double eps, int k) {
   double *x0 = work->it.F;
@@ -208,8 +206,8 @@ static void newton_refine(dls_newton *work, const dls_contact *problem, double e
     work->x[i] = x0[i] + (small ? work->x[i] : 0);
 }
 
-/* x := the solution of (NE2) with right side x; *done counts the factorisations. DLS_STALLED where
- * no more of them are wanted, DLS_E_SINGULAR, DLS_E_MEMORY. */
+/* x := the solution of (NE2) with right side x; *done counts the factorisations. DLS_STALLED if one
+ * is needed but no_more is set, DLS_E_SINGULAR, DLS_E_MEMORY. */
 static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *problem, double eps,
                                       int k, int *done, dls_error *error) {
   dlsi_border *border = &work->border;
@@ -236,7 +234,7 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
 
 /* ---- the step -------------------------------------------------------------------------------- */
 
-/* Returns (NE1) for one candidate; r := r0. */
+/* Returns (NE1) for one contact; r := r0. */
 static dlsi_branch newton_branch_of(int d, double mu, double w, const double *u, double *r) {
   dlsi_branch b = {.state = DLS_FREE, .mu = mu};
   const double x = w * r[0] - u[0];
@@ -269,7 +267,7 @@ static dlsi_branch newton_branch_of(int d, double mu, double w, const double *u,
   return b;
 }
 
-/* Returns 1 if r0 of a candidate is r but for the rounding of a product. */
+/* Returns 1 if r0 of a contact is r up to the rounding of a product. */
 static int newton_stays(int d, const double *r, const double *r0) {
   double size = 0, change = 0;
   for (int i = 0; i < d; i++) {
@@ -286,14 +284,14 @@ static void newton_weigh_step(dls_newton *work, const dls_contact *problem) {
     work->unext[k] = work->it.w[k / d] * (work->next[k] - work->r[k]);
 }
 
-/* Returns 1 if r0 - r may be left out (NE5). unext: scratch. */
+/* Returns 1 if r0 - r may be omitted (NE5). unext: scratch. */
 static int newton_is_slight(dls_newton *work, const dls_contact *problem) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   newton_weigh_step(work, problem);
   return dlsi_norm2(work->unext, m) <= slight * work->error;
 }
 
-/* unext := u0 = u + W (r0 - r): a product with what differs. */
+/* unext := u0 = u + W (r0 - r): a product for what differs. */
 static void newton_known(dls_newton *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   int moved = 0;
@@ -318,7 +316,7 @@ static void newton_known(dls_newton *work, const dls_contact *problem) {
   }
 }
 
-/* Returns the right side of (NE2) in row i of a candidate with u0 = u and r0 = r. */
+/* Returns the right side of (NE2) in row i of a contact with u0 = u and r0 = r. */
 static double newton_right(const dlsi_branch *b, int i, const double *u, const double *r) {
   const double l = b->state == DLS_SLIP && i == 1 ? b->l : 0;
   return -dlsi_branch_row(b, i, u) - (l > 0 ? l * dlsi_branch_row(b, 1, r) : 0);
@@ -343,7 +341,7 @@ static double newton_rights(const dls_newton *work, const dls_contact *problem, 
   return sqrt(sum);
 }
 
-/* (NE1) for all candidates: next := r0, x := right side. Returns how many unknowns there are. */
+/* (NE1) for all contacts: next := r0, x := right side. Returns how many unknowns there are. */
 static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
   const size_t m = (size_t)d * (size_t)problem->nc;
@@ -406,8 +404,8 @@ static void newton_search(dls_newton *work, const dls_contact *problem, int step
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* (NE1)-(NE3) from r: next. Where the matrix is singular, eps grows. DLS_E_SINGULAR: it is for
- * every eps; DLS_STALLED and DLS_E_MEMORY as newton_solve_matrix has them. */
+/* (NE1)-(NE3) next := the step from r. If the matrix is singular, eps grows. DLS_E_SINGULAR: it is
+ * for every eps; DLS_STALLED, DLS_E_MEMORY as in newton_solve_matrix. */
 static dls_status newton_step(dls_newton *work, const dls_contact *problem, double *eps,
                               int *factorisations, dls_error *error) {
   dls_error why = {0};
@@ -423,7 +421,7 @@ static dls_status newton_step(dls_newton *work, const dls_contact *problem, doub
   return status;
 }
 
-/* (NE6) next := the step combined with those before. anew: without any of them. unext: scratch. */
+/* (NE6) next := the step combined with earlier ones; anew: 1 to drop those. unext: scratch. */
 static void newton_combine(dls_newton *work, const dls_contact *problem, int anew) {
   const int m = problem->d * problem->nc;
   if (anew || !work->same) dlsi_anderson_clear(&work->steps);
@@ -431,7 +429,7 @@ static void newton_combine(dls_newton *work, const dls_contact *problem, int ane
   (void)dlsi_anderson_step(&work->steps, m, work->unext, work->next, NULL);
 }
 
-/* Returns 1 if the factors of the last run are there for this one (NE5). */
+/* Returns 1 if the factors of the last run serve this one (NE5). */
 static int newton_keeps(const dls_newton *work, const dls_contact *problem) {
   return work->keeps && work->A.factors == DLSI_DENSE_FACTORS && work->kept_nc == problem->nc &&
          !work->it.E && work->A.room->owner == work;
@@ -444,8 +442,8 @@ static void newton_meet(dls_newton *work, const dls_contact *problem) {
       work->border.base[c].mu = work->A.branch[c].mu = problem->mu[c];
 }
 
-/* Steps from r, measured last, until the certificate holds or there is a reason to stop, which is
- * returned. */
+/* Steps from r, measured last, until the certificate holds. Returns DLS_OK, or the reason to stop
+ * before. */
 static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, dls_info *outcome,
                                  dls_error *error) {
   const dls_newton_settings *settings = &work->settings;
@@ -489,7 +487,7 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   return DLS_MAX_ITERATIONS;
 }
 
-/* Tells the caller of a sweep, as a stage of this method. */
+/* Reports a sweep to the caller as a stage of this method. */
 static int newton_tell_of_sweep(void *newton, const dls_progress *of_sweep) {
   DLSI_DOOR;
   const dls_newton *work = newton;
@@ -498,7 +496,7 @@ static int newton_tell_of_sweep(void *newton, const dls_progress *of_sweep) {
   return dlsi_tell(&work->settings.limits, work->it.begun, &progress) == DLS_CANCELLED;
 }
 
-/* (NE0) Sweeps from r, with the limits of the workspace but for their number. */
+/* (NE0) Sweeps from r, with the limits of the workspace except their number. */
 static dls_status newton_sweep(dls_newton *work, const dls_contact *problem, int *sweeps) {
   dls_limits limits = work->settings.limits;
   dls_info info;

@@ -3,29 +3,29 @@
  *
  *   u = W r + q,   0 <= u_n _|_ r_n >= 0,   |r_t| <= mu r_n,   u_t opposed to r_t where it slips
  *
- * A sweep visits one candidate after the other and gives it the solution of its own problem, with
- * the reactions of all others as they are. Each file opens with the rules that its code carries:
+ * A sweep visits the contacts one after the other and solves the problem of each alone, with the
+ * present reactions of all others. Each file begins with the rules of its code:
  *
  *   nlgs_sweep.c     (NL0)-(NL4) a sweep; (NL11) a sweep of rigid bodies
  *   nlgs_estimate.c  the residual after a sweep
  *   nlgs_loop.c      (NL5) sweeps until the certificate holds, or until there is a reason to stop
  *   nlgs_ways.c      (NL6), (NL7) acceleration; (NL8), (NL10) momentum; (NL12) the two in turn
- *   nlgs_sets.c      (NL9) sweeps of their own where the residual is
+ *   nlgs_sets.c      (NL9) extra sweeps where the residual is large
  *   nlgs_active.c    (NL13) sweeps over the contacts that act
- *   nlgs_work.h      the workspace; what these files call of each other
+ *   nlgs_work.h      the workspace; functions that these files share
  *
  * This file makes the workspace, prepares it for the storage of W and for the threads, and has the
  * public functions and the row in the table of methods.
  *
  * Source: [Jean 1988] 3.3 names Gauss-Seidel on (3.3)5-6; the form with exact local solutions is
- * Jourdan, Alart and Jean 1998. Deviation: u is updated by columns, where the usual code recomputes
- * row c of W r: the same arithmetic, but candidates that do not change cost nothing, and the
+ * Jourdan, Alart and Jean 1998. Deviation: u is updated by columns; the usual code recomputes row c
+ * of W r. The arithmetic is the same, but contacts that do not change cost nothing, and the
  * residual is free.
  *
- * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc). What can
- * fail: nothing guarantees convergence with friction. It can cycle without end (W SPD and mu = 1
- * suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate
- * without a local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the
+ * Cost of a sweep: one pass over the columns of W of the contacts that changed, and O(nc). What can
+ * fail: convergence with friction is not guaranteed. Sweeps can cycle without end (W SPD and mu = 1
+ * suffice, tests/method/test_nlgs.c), and are many if W is ill-conditioned. A contact without a
+ * local solution (W_cc indefinite, or wedged by a large mu) gets the point of least |F|; the
  * certificate then does not hold.
  */
 #include <stdlib.h>
@@ -33,7 +33,7 @@
 #include "nlgs_work.h"
 
 enum { most_window = 100 };
-enum { least_grouped = 500 }; /* candidates: from there on groups pay for themselves */
+enum { least_grouped = 500 }; /* contacts: groups pay from there on */
 enum { large_panel = 2000 };  /* rows: W is 32 MB then, and a panel takes longer than a barrier */
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
@@ -144,8 +144,8 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
   return DLS_OK;
 }
 
-/* Prepares the workspace for the storage and the threads. Bodies keep their factors (NL11), but
- * for (NL6), which combines u. DLS_E_MEMORY, DLS_E_SIZE. */
+/* Prepares the workspace for the storage and the threads. Bodies stay factored (NL11), except for
+ * (NL6), which combines u. DLS_E_MEMORY, DLS_E_SIZE. */
 static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, const int *order,
                                dls_error *error) {
   work->motions = 0;
@@ -199,7 +199,7 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
                              dls_info *info, dls_error *error) {
   dls_nlgs *work = workspace;
   double *const key[] = {work->it.u, work->it.a, work->it.F};
-  /* momentum is for large problems, whose neighbours stand side by side as they are numbered */
+  /* momentum is for large problems, whose numbers put neighbours side by side */
   const int *order = work->stage == 1 ? work->own_order : NULL;
   dls_status status = nlgs_prepare(work, &problem, order, error);
   if (status) return status;

@@ -1,19 +1,19 @@
 /*
- * nlgs_estimate.c: the residual after a sweep of Gauss-Seidel (nlgs.c), from the u at hand.
+ * nlgs_estimate.c: estimates the residual after a sweep of Gauss-Seidel (nlgs.c) from its u.
  *
- * The certificate (delassus/contact.h) takes products with W. The sweeps have kept u up to date, so
- * that both parts of its residual cost O(nc) here. F_c is the misfit of the contact law, D =
- * diag(w_c) the weights; q' and r' are those of the candidates that are not free:
+ * The certificate (delassus/contact.h) takes products with W. Sweeps keep u up to date, so both
+ * parts of the residual cost O(nc) here. F_c is the misfit of the contact law, D = diag(w_c) has
+ * the weights, q' and r' are q and r of the contacts that are not free:
  *
- *   of positions   |F| / |q'|
- *   of forces      |D^-1 F| / |r'|
+ *   position residual   |F| / |q'|
+ *   force residual      |D^-1 F| / |r'|
  *
  * It is an estimate because u carries the rounding of the sweeps since it was computed afresh;
- * nlgs_loop.c takes the certificate itself before it believes it. Where q' = 0 the certificate
- * divides by |W| |r|, the estimate by |q|.
+ * nlgs_loop.c computes the certificate before it stops. If q' = 0, the certificate divides by
+ * |W| |r|, the estimate by |q|.
  *
- * Sums go by pieces, which follow from the number of candidates and not from the threads, so that
- * several threads give the same bits. Cost: a seventh of a sweep by blocks, half of one of bodies.
+ * Sums go by pieces, which depend on the number of contacts, not on the threads: any number of
+ * threads gives the same bits. Cost: 1/7 of a sweep by blocks, 1/2 of one of bodies.
  */
 #include <math.h>
 
@@ -25,7 +25,7 @@ typedef struct nlgs_squares {
   double F, force, r, q; /* D^1/2 F', D^-1/2 F', r, q */
 } nlgs_squares;
 
-/* Returns the sums from the u at hand, d = 1 or 2, inlined for a constant d. */
+/* Returns the sums from the current u, d = 1 or 2, inlined for a constant d. */
 static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *work,
                                                   const dls_contact *problem, const double *r,
                                                   const int *list, double scale, int begin,
@@ -108,7 +108,7 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
       r2[k] = polar ? 0 : a * a * (v[0][k] * v[0][k]) + b * b * vt;
       q2[k] = polar ? 0 : q2[k];
     }
-    for (int k = 0; k < count && bonded; k++) { /* infinite friction has no part in the above */
+    for (int k = 0; k < count && bonded; k++) { /* not for infinite friction above */
       if (!dlsi_is_bonded(mu[k])) continue;
       const size_t o = 3 * (size_t)(list ? list[first + k] : first + k);
       F2[k] = G2[k] = r2[k] = q2[k] = 0;
@@ -155,7 +155,7 @@ static void nlgs_sum_piece(void *data, int k) {
                 : nlgs_squares_3d)(s->work, problem, s->r, s->of.list, s->scale, begin, end);
 }
 
-/* Estimates the residuals of the certificate from the u at hand, of bodies from their motions. */
+/* Estimates the residuals of the certificate from the current u, of bodies from their motions. */
 void dlsi_nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                         double scale, int everywhere, dls_certificate *now) {
   dlsi_set of = {.count = problem->nc, .groups = work->whole ? &work->groups : NULL};

@@ -4,18 +4,18 @@
  *   start     r on its cones; its certificate
  *   repeat    (NL6)-(NL8) another start of the sweep     (nlgs_ways.c, nlgs_sets.c)
  *             (NL0)-(NL4) the sweep                      (nlgs_sweep.c)
- *             the residual, from the u at hand           (nlgs_estimate.c)
+ *             the residual, from the current u           (nlgs_estimate.c)
  *             (NL5) u and the certificate afresh, if they are due
- *             (NL12) another way                         (nlgs_ways.c)
+ *             (NL12) another variant                     (nlgs_ways.c)
  *             (NL13) the contacts that act               (nlgs_active.c)
  *
- * The residual of both parts of the certificate is estimated after each sweep; from 1000 candidates
- * on, W not dense and without (NL6), after every fifth one.
+ * Both parts of the residual are estimated after each sweep. If W is not dense, without (NL6), and
+ * from 1000 contacts on or in groups, they are estimated after every fifth one.
  *
- *   (NL5)  When each part meets its target, max(tol, 4 floor), when a sweep changes nothing, and
- *          every 50 sweeps, u and the certificate are recomputed from the user's W and q. A sweep
- *          from such a fresh u that changes nothing and is not solved can never change anything:
- *          DLS_STALLED. A call that ends early returns the best r met
+ *   (NL5)  u and the certificate are recomputed from the user's W and q if each part meets its
+ *          target, max(tol, 4 floor), if a sweep changes nothing, and every 50 sweeps. If a sweep
+ *          from a fresh u changes nothing and is not solved, none will: DLS_STALLED.
+ *          A call that ends early returns the best r
  */
 #include <float.h>
 #include <math.h>
@@ -27,8 +27,8 @@ enum { most_sweeps = 10000, refresh_every = 50 };
 enum { seldom = 5 };                        /* sweeps from one estimate to the next */
 enum { often_first = 20, look_every = 20 }; /* (NL13): sweeps between looks at all contacts */
 
-/* Brings u to the bits that belong to the order of the visits, not to the numbers: sweeps go on
- * from it. */
+/* Recomputes u in the order of the visits, so that its bits do not depend on the numbers: sweeps go
+ * on from it. */
 static void nlgs_resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   if (work->order) dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
 }
@@ -78,8 +78,8 @@ static dls_status nlgs_widen(dls_nlgs *work, const dls_contact *problem) {
   return status;
 }
 
-/* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u
- * belongs to it.best then. *iterations: sweeps done. */
+/* Sweeps from r until the certificate holds. Returns DLS_OK, or the reason to stop before; it.u
+ * then belongs to it.best. *iterations: sweeps done. */
 static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, double *r,
                                int *iterations) {
   const dls_limits *limits = &work->settings.limits;

@@ -1,17 +1,17 @@
 /*
- * nlgs_sets.c: sweeps of their own where the residual is, with momentum (nlgs_ways.c).
+ * nlgs_sets.c: extra sweeps where the residual is large, with momentum (nlgs_ways.c).
  *
- *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
- *          three layers of what W couples with them, if that is not a third of all, get up to 300
- *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins again then.
- *          Where it is a third and more, the next 1, 2, 4 .. 16 looks are left out
+ *   (NL9)  every 10 sweeps, from sweep 50 on: take the fewest contacts that hold 90 % of |F|^2, and
+ *          three layers of contacts that W couples with them. If that is at most 1/3 of all, it
+ *          gets up to 300 sweeps of its own, until |F| on it is 0.3 of what it was; then (NL8)
+ *          restarts. Otherwise the next 1, 2, 4 .. 16 looks are skipped
  *
- * F is the misfit of the contact law, as in the certificate. The fewest candidates are found but
- * for a factor of two: those whose |F_c|^2 is above a bound that is halved until they hold enough.
- * A local sweep changes r in the set and u in the set and one layer more.
+ * F is the misfit of the contact law, as in the certificate. The fewest contacts are found up to a
+ * factor of two: they have an |F_c|^2 above a bound that is halved until they hold enough. A local
+ * sweep changes r in the set and u in the set and one more layer.
  *
- * Cost: a look is a walk over all candidates and over the graph, some sweeps' worth; a local sweep
- * costs its share of a sweep, and counts as that.
+ * Cost: a look walks over all contacts and over the graph, like some sweeps. A local sweep costs
+ * its fraction of a sweep, and counts as that.
  */
 #include <float.h>
 #include <math.h>
@@ -20,8 +20,8 @@
 
 enum { local_sweeps = 300, local_looks = 5, local_layers = 3 };
 enum { longest_pause = 16 };
-static const double local_share = 0.9;   /* of |F|^2 that the worst candidates hold */
-static const double local_size = 1. / 3; /* of the candidates: a larger set is no gain */
+static const double local_share = 0.9;   /* of |F|^2 that the worst contacts hold */
+static const double local_size = 1. / 3; /* of the contacts: a larger set is no gain */
 static const double local_end = 0.3;     /* of |F| on the set */
 
 /* A sum of |F_c|^2 by pieces. */
@@ -70,8 +70,7 @@ static double nlgs_measure(const dls_nlgs *work, const dls_contact *problem, dls
   return sum;
 }
 
-/* Returns 2^-k of the largest F2, the largest for which the candidates above it hold their
- * share. */
+/* Returns the largest 2^-k max F2 for which the contacts above it hold their share. */
 static double nlgs_threshold(const dls_contact *problem, const double *F2, double sum) {
   double bound = 0, held = 0;
   for (int c = 0; c < problem->nc; c++)
@@ -85,8 +84,8 @@ static double nlgs_threshold(const dls_contact *problem, const double *F2, doubl
   return bound;
 }
 
-/* Marks the bodies of the candidates with near = `layer`, and puts those that share them and are in
- * no layer into the next. */
+/* Marks the bodies of the contacts with near = `layer`. Contacts in no layer that share such a body
+ * get near = `layer` + 1. */
 static void nlgs_add_layer_of_bodies(const dls_nlgs *work, const dls_contact *problem, int layer) {
   const int *body = problem->bodies.body;
   int *mark = work->bodies.some + problem->bodies.count;
@@ -96,7 +95,7 @@ static void nlgs_add_layer_of_bodies(const dls_nlgs *work, const dls_contact *pr
     if (!work->near[k / 2] && body[k] >= 0 && mark[body[k]]) work->near[k / 2] = layer + 1;
 }
 
-/* near := `layer` + 1 for what W couples with candidates of that layer and is in none. */
+/* near := `layer` + 1 for the contacts in no layer that W couples with that layer. */
 static void nlgs_add_layer(const dls_nlgs *work, const dls_contact *problem, int layer) {
   const dls_blocks *W = &problem->Wb;
   if (work->motions) nlgs_add_layer_of_bodies(work, problem, layer);
@@ -127,7 +126,7 @@ static dlsi_set nlgs_list_bodies(const dls_nlgs *work, const dls_contact *proble
   return (dlsi_set){.list = list, .count = count};
 }
 
-/* (NL9) Sweeps where the residual is. u belongs to r. Returns 0 if that is nearly everywhere. */
+/* (NL9) Sweeps where the residual is large. u belongs to r. Returns 0 if the set is too large. */
 static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d, n = work->motions;
   double *F2 = work->it.F, *const u = dlsi_nlgs_kept(work);
@@ -167,7 +166,7 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
   return 1;
 }
 
-/* (NL9), less and less often where the sets are too large. Returns 1 if r has changed. */
+/* (NL9), less and less often while the sets are too large. Returns 1 if r has changed. */
 int dlsi_nlgs_look_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
   if (work->wait > 0) {
     work->wait--;

@@ -1,29 +1,29 @@
 /*
- * nlgs_sweep.c: one sweep of Gauss-Seidel (nlgs.c), over all candidates or some.
+ * nlgs_sweep.c: one sweep of Gauss-Seidel (nlgs.c), over all contacts or some.
  *
- * u = W r + q is kept up to date by columns. For each candidate c in turn:
+ * u = W r + q is kept up to date by columns. For each contact c in turn:
  *
- *   (NL1)  p  = u_c - W_cc r_c                what the others leave to candidate c
- *   (NL2)  s  = the solution of candidate c alone, u_c = W_cc s + p            (local.c)
+ *   (NL1)  p  = u_c - W_cc r_c                what the others leave to contact c
+ *   (NL2)  s  = the solution of contact c alone, u_c = W_cc s + p            (local.c)
  *   (NL3)  s := P_Cmu( r_c + omega (s - r_c) )           only if omega is not 1
  *   (NL4)  u += W(:,c) (s - r_c),   r_c := s             only if s is not r_c
  *
- * (NL0) A candidate with r_c = 0 and u_n >= 0 stays free: (NL1)-(NL4) give nothing else. The
- * projection in (NL3) is the orthogonal one on the cone; for omega <= 1 it changes nothing, the
- * cone being convex. Under omega < 1 the r_c of a candidate that has left the obstacle is put to
- * exactly 0 once it is too small to move u.
+ * (NL0) A contact with r_c = 0 and u_n >= 0 stays free: (NL1)-(NL4) would change nothing. (NL3)
+ * projects orthogonally on the cone; for omega <= 1 this changes nothing, because the cone is
+ * convex. If omega < 1, the r_c of a contact that has opened becomes exactly 0 once it is too small
+ * to move u.
  *
- * W dense: u receives the changes of four candidates in one pass over their columns (products.c); a
- * candidate that is visited before that pass adds the outstanding changes to its own rows. Every
- * u_i still receives them in the order of the candidates: the bits are those of one by one.
+ * W dense: one pass over the columns of four contacts adds their changes to u (products.c). A
+ * contact that is visited before that pass adds the outstanding changes to its own rows. Every u_i
+ * receives the changes in the order of the contacts: the bits are those of one by one.
  *
- * Of rigid bodies, W = H^T H, a sweep keeps v = H r up to date in place of u:
+ * Of rigid bodies, W = H^T H, a sweep updates v = H r in place of u:
  *
- *   (NL11) u_c = q_c + H_c^T v in (NL1);  v += H_c (s - r_c) in (NL4); u of all candidates is made
- *          for the estimate alone
+ *   (NL11) u_c = q_c + H_c^T v in (NL1);  v += H_c (s - r_c) in (NL4); u of all contacts is
+ *          computed for the estimate only
  *
- * From 500 candidates on W by blocks and bodies are swept in groups of eight (groups.c), on one
- * thread or more; a dense W on several threads row by row: to the bits of one thread.
+ * From 500 contacts on, W by blocks and bodies are swept in groups of eight (groups.c), on one
+ * thread or more. On several threads a dense W is applied by rows, to the bits of one thread.
  */
 #include <float.h>
 #include <math.h>
@@ -33,10 +33,10 @@
 
 enum { batch_size = 4 };
 
-/* W dense: changes of r that u is still to receive, all rows of u in one go. */
+/* W dense: changes of r that are not yet in u; one pass adds them to all rows. */
 typedef struct nlgs_batch {
   int count, c[batch_size];
-  int normal; /* 1: no change of a tangent, so that W's columns of tangents are not read */
+  int normal; /* 1: normals alone change, so that W's columns of tangents are not read */
   double dr[3 * batch_size];
 } nlgs_batch;
 
@@ -93,7 +93,7 @@ static void nlgs_flush(const dls_nlgs *work, const dls_contact *problem, nlgs_ba
   b->count = 0;
 }
 
-/* (NL4) for one candidate: into the batch, or at once (b NULL, W by blocks). With springs the batch
+/* (NL4) for one contact: into the batch, or at once (b NULL, W by blocks). With springs the batch
  * is flushed at once, since E_c comes after W_cc. */
 static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem, int c,
                                const double *dr, nlgs_batch *b) {
@@ -111,7 +111,7 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
   nlgs_add_springs(work, problem->d, c, dr);
 }
 
-/* (NL0)-(NL4) for the candidates of a set, inlined for constants d and n, motions of a body or 0.
+/* (NL0)-(NL4) for the contacts of a set, inlined for constants d and n, motions of a body or 0.
  * Returns how many changed. */
 static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work,
                                   const dls_contact *problem, dlsi_set set, nlgs_batch *b,
@@ -170,7 +170,7 @@ static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work
   return changed;
 }
 
-/* One sweep over a list; returns how many candidates changed. */
+/* One sweep over a list; returns how many contacts changed. */
 static int nlgs_sweep_list(const dls_nlgs *work, const dls_contact *problem, dlsi_set set,
                            double *r) {
   if (work->motions)
@@ -186,7 +186,7 @@ static int nlgs_sweep_list(const dls_nlgs *work, const dls_contact *problem, dls
   return changed;
 }
 
-/* One sweep over a set; returns 0 if no candidate changed. */
+/* One sweep over a set; returns 0 if no contact changed. */
 int dlsi_nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r) {
   if (set.groups) return dlsi_groups_sweep(set.groups, work->team, r, work->v);
   return nlgs_sweep_list(work, problem, set, r);
@@ -194,7 +194,7 @@ int dlsi_nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set s
 
 /* ---- back on the cones ----------------------------------------------------------------------- */
 
-/* dr := P_Cmu(rc) - rc. Returns 0 if that is mere rounding, as it is for most r_c that slip. */
+/* dr := P_Cmu(rc) - rc. Returns 0 if that is only rounding, as for most r_c that slip. */
 static inline int nlgs_lack(int d, double mu, const double *rc, double *dr) {
   double p[3] = {0}, size = 0, moved = 0;
   if (dlsi_project_cone(d, mu, rc, p) == DLS_STICK) return 0;

@@ -1,61 +1,60 @@
 /*
- * nlgs_ways.c: what happens between two sweeps of Gauss-Seidel (nlgs.c) to need fewer of them.
+ * nlgs_ways.c: acceleration between the sweeps of Gauss-Seidel (nlgs.c).
  *
  * The sweep g is a fixed-point map x -> r = g(x). Accelerated (history, anderson.c):
  *
  *   (NL6)  f = D (r - x), D = diag(w_c) 2^k, 2^k |q| about 1;  x := r - DG gamma, u := u - DU gamma
  *          by Anderson, then each x_c := P_Cmu(x_c) with u by columns
- *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g,
- *          its u afresh, history forgotten; the plain sweep that follows is always taken. Such
- *          returns can repeat without end. From return 100 since the residual of g last halved on,
- *          one plain sweep more follows each return than followed the one before. A stage of auto
- *          goes without these, and without (AN4): Newton's method is next there
+ *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the last g: return to that g,
+ *          recompute u, clear the history; the next sweep is plain and always accepted. Returns can
+ *          repeat without end: after return 100 since the residual of g last halved, each return is
+ *          followed by one more plain sweep than the last one. A stage of auto omits these sweeps,
+ *          and (AN4): Newton's method follows there
  *
- * With momentum (momentum.c), p being the last step; W by blocks or of bodies also (NL9):
+ * With momentum (momentum.c), p the last step; for W by blocks or of bodies also (NL9):
  *
  *   (NL8)  x := r + b p, u likewise, b at most 1
- *   (NL10) where the residual takes too long to halve, b is at most 1/2 from the best r on, then 0;
- *          where b is 0 already a stage of auto ends. Too long: more sweeps than until the last
- *          halving, and 300; three times as many for b = 0 below 1000 candidates. While (NL12) has
- *          several ways and b is 1: 800 for 300, from 1000 candidates on times nc / 1000 to the
- *          power 1/d, and a fifth less is enough for a halving
- *   (NL12) beyond 1000 candidates another way is (NL8) HELD, restarted every 10 sweeps in which
- *          the residual has not fallen by a tenth: some large packings at rest need it. A stage of
- *          auto has (NL6) as a way, too, in place of (NL8) and (NL9): in 2D as the first one, in 3D
- *          beyond 1000 candidates as the second one. turns.c finds which way goes on: the one that
- *          halves the residual at the lowest cost; another one begins from the best r
+ *   (NL10) if the residual does not halve in time, the sweeps return to the best r with b <= 1/2,
+ *          next with b = 0; after that a stage of auto ends. Time: s + 300 sweeps, s the sweeps
+ *          until the last halving; 3 times that if b = 0 and nc < 1000. While (NL12) has several
+ *          variants and b <= 1: s + 800 max(1, nc / 1000)^(1/d), and 20 % less counts as a halving
+ *   (NL12) variants: FREE is (NL8). HELD, beyond 1000 contacts, is (NL8) restarted every 10 sweeps
+ *          in which the residual has not fallen by 10 %: some large packings at rest need it.
+ *          ANDERSON, in a stage of auto, is (NL6) in place of (NL8) and (NL9): the first one in 2D,
+ *          the second one in 3D beyond 1000 contacts. turns.c continues the variant that halves the
+ *          residual at the lowest cost; another one begins from the best r
  *
- * Whatever x is, r = g(x) is the iterate that is measured, kept as the best and returned. Sweeps do
- * not damp the rounding of u, and (NL6) amplifies it; with u afresh in (NL7) and a bound on gamma,
- * estimate and certificate stay within 1 % on the FCLIB files but for BoxesStack1 (1 in 25 of its
+ * For any x the iterate that is measured, kept as the best and returned is r = g(x). Sweeps do not
+ * damp the rounding of u, and (NL6) amplifies it. With a fresh u in (NL7) and a bound on gamma,
+ * estimate and certificate stay within 1 % on the FCLIB files except BoxesStack1 (1 in 25 of its
  * refreshes finds a factor of 10). Without the two, a call on the cycle of tests/method/test_nlgs.c
  * estimated 4e-8 for an r of residual 0.7.
  *
- * Source: (NL6) with two sweeps is what [Chabrand 1998] 4.2 names (Aitken, after Raous, Barbosa and
- * Latil). Cost: (NL6) (3 window + 10) m operations or so, and the columns of the candidates that it
- * projects; (NL8) O(m).
+ * Source: [Chabrand 1998] 4.2 names (NL6) with two sweeps (Aitken, after Raous, Barbosa and Latil).
+ * Cost: (NL6) about (3 window + 10) m operations, and the columns of the contacts that it projects;
+ * (NL8) O(m).
  */
 #include <math.h>
 #include <string.h>
 
 #include "nlgs_work.h"
 
-/* (NL7) Growth of the residual that an accelerated iterate may show: on nine FCLIB files together
- * (Anderson, 1e-8) a growth of 2 takes 19335 sweeps where 1.1 takes 11758. */
+/* (NL7) Largest growth of the residual by an accelerated iterate: on nine FCLIB files together
+ * (Anderson, 1e-8) 2 takes 19335 sweeps, 1.1 takes 11758. */
 static const double nlgs_growth = 1.1;
 
 enum { most_returns = 100 };                                    /* (NL7) */
 enum { local_every = 10, local_first = 50 };                    /* (NL9), in sweeps */
 enum { slow_first = 300, slow_turns = 800, last_patience = 3 }; /* (NL10) */
 static const double slow_momentum = 0.5;                        /* (NL10) */
-static const double turns_fall = 0.8;       /* (NL10): of the residual, with several ways */
+static const double turns_fall = 0.8;       /* (NL10): of the residual, with several variants */
 static const double falls = 0.9;            /* HELD: of the residual, in local_every sweeps */
 static const double price_of_history = 1.5; /* a sweep with (NL6), in sweeps with (NL8) */
 
 /* ---- acceleration ---------------------------------------------------------------------------- */
 
-/* Returns the power of two next to x > 0, which scales f without rounding: the last digit of |q|
- * depends on the numbers of the candidates. */
+/* Returns the power of two next above x > 0, which scales f without rounding: the last digit of |q|
+ * depends on the numbers of the contacts. */
 static double nlgs_power_of_two(double x) {
   int e;
   (void)frexp(x, &e);
@@ -102,7 +101,7 @@ void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double res
 
 /* ---- momentum -------------------------------------------------------------------------------- */
 
-/* Begins momentum again at r, which u (or v) belongs to. */
+/* Restarts momentum at r, to which u (or v) belongs. */
 static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, const double *r) {
   const dlsi_set all = {.count = problem->nc};
   const int n = work->motions, d = problem->d;
@@ -110,10 +109,9 @@ static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, cons
                       dlsi_nlgs_kept(work));
 }
 
-/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
- * below 1000 candidates without momentum, three times as many: what follows is as expensive. While
- * there are several ways, one that takes a fifth off will do, and 300 is 800, from 1000 candidates
- * on times their number across: so many sweeps a reaction takes to get through. */
+/* (NL10) Returns 1 if the residual has not halved in time. Below 1000 contacts without momentum the
+ * time is three times as long: what follows is as expensive. With several variants it grows with
+ * the number of contacts across, which a reaction takes that many sweeps to cross. */
 static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double residual) {
   const int turns = work->largest == 1 && work->turns.ways > 1;
   if (residual <= (turns ? turns_fall : 0.5) * work->halved) {
@@ -126,8 +124,8 @@ static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double resid
   return work->sweeps - work->since >= patience * (first + work->since);
 }
 
-/* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. Returns 0 if
- * a stage of auto has no smaller momentum left to try. */
+/* (NL8) r := the start of the next sweep k, every 10 sweeps after local sweeps. Returns 0 if a
+ * stage of auto has no smaller momentum left. */
 int dlsi_nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual, double *r) {
   const int slow = nlgs_is_slow(work, problem, residual), n = work->motions;
   if (slow && work->largest == 0 && work->stage) return 0;
@@ -154,9 +152,9 @@ int dlsi_nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double res
   return 1;
 }
 
-/* ---- several ways ---------------------------------------------------------------------------- */
+/* ---- several variants ------------------------------------------------------------------------ */
 
-/* (NL12) Lists the ways, the first of which is taken. */
+/* (NL12) Lists the variants and takes the first. */
 static void nlgs_list_ways(dls_nlgs *work, const dls_contact *problem) {
   const int blocks = !problem->W.a, plane = problem->d == 2;
   const int many = problem->nc > dlsi_few_candidates;
@@ -170,7 +168,7 @@ static void nlgs_list_ways(dls_nlgs *work, const dls_contact *problem) {
   work->now = work->way[0];
 }
 
-/* Begins the way now, from r, which u (or v) belongs to. */
+/* Begins the variant `now` from r, to which u (or v) belongs. */
 static void nlgs_start_way(dls_nlgs *work, const dls_contact *problem, const double *r) {
   if (work->now != DLSI_WAY_ANDERSON) {
     nlgs_start_momentum(work, problem, r);
@@ -197,8 +195,8 @@ void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const doub
   if (pushed || work->now == DLSI_WAY_ANDERSON) nlgs_start_way(work, problem, r);
 }
 
-/* (NL12) after so many sweeps that have led to r, of this residual. Returns 1 if another way
- * begins, from the best r where this one is a tenth worse. */
+/* (NL12) after `sweeps` sweeps, which gave r with this residual. Returns 1 if another variant
+ * begins: from the best r if r is 10 % worse. */
 int dlsi_nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double residual, int sweeps,
                          double *r) {
   if (work->largest < 1) return 0; /* (NL10) has ended the turns */

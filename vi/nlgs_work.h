@@ -6,9 +6,9 @@
 
 #include "groups.h"
 
-enum { dlsi_few_candidates = 1000 }; /* beyond: several ways, threads, few estimates */
+enum { dlsi_few_candidates = 1000 }; /* beyond: several variants, threads, few estimates */
 
-/* What momentum needs for a problem of bodies; memory is kept from one to the next. */
+/* Arrays of momentum for a problem of bodies; memory is kept for the next problem. */
 typedef struct dlsi_nlgs_bodies {
   double *moved; /* u and pu of momentum, then u and DU of the history: n count each column */
   int *some;     /* bodies of (NL9), then a mark for each: 2 count */
@@ -21,17 +21,17 @@ typedef enum dlsi_nlgs_way { DLSI_WAY_FREE, DLSI_WAY_HELD, DLSI_WAY_ANDERSON } d
 struct dls_nlgs {
   dls_nlgs_settings settings;
   int d, nc;
-  int stage;               /* of auto: from r as given, in an order of its own, no ambiguous */
+  int stage;               /* of auto: from the given r, in an order of its own, no ambiguous */
   int *own_order;          /* of a stage: nc; else NULL */
   int *scratch;            /* of a stage: nc; else NULL */
   const int *order;        /* of the visits in this run: nc; NULL: 0, 1, .. */
-  double *carved[4];       /* u, pu of momentum; u, DU of the history: where not of bodies */
+  double *carved[4];       /* u, pu of momentum; u, DU of the history: if not of bodies */
   double *block_1d;        /* W_cc (+ E_c): nc; for d = 1, else NULL */
   dlsi_block_2d *block_2d; /* the same for d = 2 */
   dlsi_block_3d *block_3d; /* the same for d = 3 */
   dlsi_iterate it;         /* its u is kept up to date by the sweeps */
   dlsi_formed formed;      /* of a problem of bodies: scratch, W by blocks */
-  int motions;             /* of a body; 0 where u is kept up to date */
+  int motions;             /* of a body; 0 if u is kept up to date */
   double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
   dlsi_nlgs_bodies bodies;
   int *visits, *earlier; /* nc: the order of the visits that dls_solver_map keeps; scratch */
@@ -41,21 +41,21 @@ struct dls_nlgs {
   int visited;                     /* contacts of that order; 0: as they are numbered */
   int whole;                /* groups has all of this problem; (NL13) goes without at first */
   int grouped;              /* 1: sweeps go over groups; u is not kept up to date then */
-  dlsi_groups groups, part; /* all candidates; a set of (NL9) */
+  dlsi_groups groups, part; /* all contacts; a set of (NL9) */
   dlsi_slabs slabs;         /* the order of the groups */
-  dlsi_team *team;          /* that help in this run; NULL: none */
+  dlsi_team *team;          /* of this run; NULL: one thread */
   double *x;                /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
-  double residual_then; /* (NL7): when the returns were last counted from 0 ... */
+  double residual_then; /* (NL7): residual when the returns were last 0 ... */
   int returns, plain;   /* ... returns since; plain sweeps to come */
   dlsi_momentum momentum;
-  int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
+  int *near; /* of momentum: nc, layer of (NL9) of each contact, from 1 on; 0: not in a set */
   int *some, *rows; /* of momentum: nc, the sets of (NL9) */
-  double largest;   /* b of momentum, (NL10) */
-  double halved;    /* (NL10): the residual that was last half of the one before it ... */
-  double since;     /* ... and the sweeps until then, those on a set by its share */
+  double largest;   /* largest b (NL10) */
+  double halved;    /* (NL10): the residual at the last halving ... */
+  double since;     /* ... and the sweeps until then, those on a set count by its share */
   double looked;    /* the residual when (NL9) was due last */
-  int pause, wait;  /* (NL9): looks left out after a set that was too large; of them to come */
+  int pause, wait;  /* (NL9): looks skipped after a set that was too large; those to come */
   double sweeps;
   dlsi_turns turns; /* (NL12) */
   dlsi_nlgs_way way[dlsi_most_ways], now;
@@ -66,13 +66,13 @@ static inline int dlsi_nlgs_has_history(const dls_nlgs_settings *s) {
   return s->acceleration == DLS_ACCELERATION_AITKEN || s->acceleration == DLS_ACCELERATION_ANDERSON;
 }
 
-/* Returns 1 if (NL6) is one of the ways of (NL12). */
+/* Returns 1 if (NL6) is one of the variants of (NL12). */
 static inline int dlsi_nlgs_may_turn(const dls_nlgs *work) {
   const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
   return work->stage && pushed && (work->d == 2 || work->nc > dlsi_few_candidates);
 }
 
-/* All candidates; one by one, in the order of the visits. */
+/* All contacts; one by one, in the order of the visits. */
 static inline dlsi_set dlsi_nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
   if (work->narrow)
     return (dlsi_set){.list = work->acting, .count = work->acting_count, .groups = &work->active};
@@ -80,7 +80,7 @@ static inline dlsi_set dlsi_nlgs_all(const dls_nlgs *work, const dls_contact *pr
       .list = work->order, .count = problem->nc, .groups = work->whole ? &work->groups : NULL};
 }
 
-/* The rows of what sweeps over all candidates keep up to date: of u, of v, or, in groups by blocks,
+/* The rows that sweeps over all contacts keep up to date: of u, of v, or, in groups by blocks,
  * none. */
 static inline dlsi_set dlsi_nlgs_rows(const dls_nlgs *work, const dls_contact *problem) {
   if (work->motions) return (dlsi_set){.count = problem->bodies.count};
@@ -92,7 +92,7 @@ static inline double *dlsi_nlgs_kept(const dls_nlgs *work) {
   return work->motions ? work->v : work->it.u;
 }
 
-/* Returns to an r met before, u afresh. */
+/* Goes back to an earlier r and recomputes u. */
 static inline void dlsi_nlgs_return(const dls_nlgs *work, const dls_contact *problem,
                                     const double *from, double *r) {
   memcpy(r, from, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
@@ -101,23 +101,23 @@ static inline void dlsi_nlgs_return(const dls_nlgs *work, const dls_contact *pro
 
 /* ---- nlgs_sweep.c ---------------------------------------------------------------------------- */
 
-/* Sweeps once over a set: r and what is kept up to date with it. Returns 0 if no candidate
- * changed. */
+/* Sweeps once over a set: updates r and what is kept with it. Returns 0 if no contact changed. */
 int dlsi_nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r);
 
-/* Projects every r_c on its cone, u by columns, v of bodies. */
+/* Projects every r_c on its cone, and updates u by columns or v of bodies. */
 void dlsi_nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double *r);
 
 /* ---- nlgs_estimate.c ------------------------------------------------------------------------- */
 
-/* Estimates the residuals of the certificate of r from the u at hand, of bodies from their motions:
- * it.u is made of them. scale = 1 / |q|. everywhere: 0 to look at those that act alone (NL13). */
+/* Estimates the residuals of the certificate of r from the current u, of bodies from their motions:
+ * it.u is computed from them. scale = 1 / |q|. everywhere: 0 to look at those that act alone
+ * (NL13). */
 void dlsi_nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                         double scale, int everywhere, dls_certificate *now);
 
 /* ---- nlgs_sets.c ----------------------------------------------------------------------------- */
 
-/* Sweeps where the residual is, (NL9), unless it waits. u belongs to r. Returns 1 if r has
+/* Sweeps where the residual is large, (NL9), unless it waits. u belongs to r. Returns 1 if r has
  * changed. */
 int dlsi_nlgs_look_locally(dls_nlgs *work, const dls_contact *problem, double *r);
 
@@ -133,7 +133,7 @@ void dlsi_nlgs_narrow(dls_nlgs *work, const dls_contact *problem, const double *
 
 /* ---- nlgs_ways.c ----------------------------------------------------------------------------- */
 
-/* Chooses the first way and begins it at r, which u (or v) belongs to. */
+/* Chooses the first variant and begins it at r, to which u (or v) belongs. */
 void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const double *r);
 
 /* r := the start of the next sweep by (NL6) or (NL7). r = g(x) has the estimated residual
@@ -141,12 +141,12 @@ void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const doub
 void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double residual, double scale,
                           double *accepted, double *r);
 
-/* r := the start of the next sweep k by (NL8), with local sweeps before it now and then. Returns 0
- * if a stage of auto has no smaller momentum left to try. */
+/* r := the start of the next sweep k by (NL8), every 10 sweeps after local sweeps. Returns 0 if a
+ * stage of auto has no smaller momentum left. */
 int dlsi_nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual, double *r);
 
-/* Changes the way by (NL12), after so many sweeps that have led to r, of this residual. Returns 1
- * if another way begins: from the best r, if r is a tenth worse. */
+/* Changes the variant by (NL12), after `sweeps` sweeps, which gave r with this residual. Returns 1
+ * if another one begins: from the best r, if r is 10 % worse. */
 int dlsi_nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double residual, int sweeps,
                          double *r);
 

@@ -1,20 +1,20 @@
 /*
- * order.c: an order of the candidates that follows from the data and not from their numbers.
+ * order.c: orders the contacts by the data, not by their numbers.
  *
- * Gauss-Seidel, and every method that starts from its answer, depends on the order of the
- * candidates. Visited in this one, a permuted problem takes the same sweeps.
+ * Gauss-Seidel depends on the order of the contacts, and so does every method that starts from its
+ * answer. Visited in this order, a permuted problem takes the same sweeps.
  *
- *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: what approaches fastest; then as
+ *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: the fastest approach first; equals as
  *          numbered
- *   (OR2)  W of elastic bodies: the first of (OR1); then always the candidate j with the largest
- *          sum |W_nn(j, c)| over the c that have their place; of several the first of (OR1)
+ *   (OR2)  W of elastic bodies: the first of (OR1); then always the contact j with the largest
+ *          sum |W_nn(j, c)| over the c already placed; of equals the first of (OR1)
  *
- * w are the weights of the certificate. Numbers count to 26 bits: other units, other tangents or
- * the two halves of a symmetric body must not be told apart by their rounding.
+ * w are the weights of the certificate. Numbers count to 26 bits, so that rounding does not
+ * separate other units, other tangents or the two halves of a symmetric body.
  *
- * Candidates that (OR1) does not tell apart, the bricks of a wall for instance, keep their order:
- * there a permuted problem may take other sweeps. (OR2) walks from neighbour to neighbour, as
- * meshes are numbered.
+ * Contacts that are equal by (OR1), such as the bricks of a wall, keep their order: a permuted
+ * problem may then take other sweeps. (OR2) walks from neighbour to neighbour, as meshes are
+ * numbered.
  *
  * Cost: a sort; (OR2) reads nc^2 / 2 entries of W.
  */
@@ -23,9 +23,9 @@
 
 #include "vi_internal.h"
 
-enum { few_candidates = 100 }; /* of one rigid body, say, which couples all of its own */
+enum { few_candidates = 100 }; /* one rigid body couples all its contacts */
 
-/* Returns x to its first 26 bits (Dekker). */
+/* Returns x rounded to 26 bits (Dekker). */
 static double order_rounded(double x) {
   const double c = 0x1.000002p+27 * x;
   return c - (c - x);
@@ -48,7 +48,7 @@ static void order_set_keys(const dls_contact *problem, const order_keys *key) {
   }
 }
 
-/* Returns 1 if candidate a comes before b by (OR1). */
+/* Returns 1 if contact a comes before b by (OR1). */
 static int order_precedes(const order_keys *key, int a, int b) {
   if (key->approach[a] != key->approach[b]) return key->approach[a] < key->approach[b];
   if (key->slip[a] != key->slip[b]) return key->slip[a] < key->slip[b];
@@ -56,7 +56,7 @@ static int order_precedes(const order_keys *key, int a, int b) {
   return key->mu[a] < key->mu[b];
 }
 
-/* Sorts order (n), equals as they are. qsort may allocate, and is not stable. scratch: n. */
+/* Sorts order (n) and is stable; qsort is not, and may allocate. scratch: n. */
 static void order_sort(const order_keys *key, int n, int *order, int *scratch) {
   if (n < 2) return;
   const int half = n / 2;

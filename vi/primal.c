@@ -13,9 +13,9 @@
  *   (PR2)  u_c := the solution of Tresca's problem of node c alone, the others frozen
  *   (PR3)  Aitken: x := s - gamma (s - s_before), s the end of a sweep, if that does not raise Q
  *   (PR4)  b_c := mu_c max(0, r_nc), r = -R at the contact nodes: a step of the fixed point, taken
- *          in the place of (PR3) when Tresca's problem is solved to half of the residual of
+ *          instead of (PR3) when Tresca's problem is solved to half of the residual of
  *          Coulomb's
- *   (PR5)  the certificate (primal.h) from a fresh R, when its estimate from the R at hand meets
+ *   (PR5)  the certificate (primal.h) from a fresh R, when its estimate from the current R meets
  *          the target, when a sweep changes nothing, and every 50 sweeps
  *
  * (PR3) With x_k the start of sweep k, s_k its end and f_k = s_k - x_k,
@@ -23,22 +23,22 @@
  *   gamma = <f_k - f_k-1, f_k> / |f_k - f_k-1|^2,   x_k+1 = s_k - gamma (s_k - s_k-1)
  *
  * in the scalar product of diag(K): Aitken's Delta^2 for vectors, by Irons and Tuck (Anderson's
- * with a memory of one). It accelerates the sweeps, not the fixed point: it stands in for
- * over-relaxation, whose parameter [C] wants to be rid of, and sweeps are where the time goes: [J]
- * Fig. 3 to 1e-12 takes 495 of them and 19 steps of the fixed point. R being affine in x, it takes
- * no product with K, and neither does Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc
+ * with a memory of one). It accelerates the sweeps, not the fixed point. It replaces
+ * over-relaxation, whose parameter [C] wants to avoid, and most time goes into sweeps: [J] Fig. 3
+ * to 1e-12 takes 495 sweeps and 19 steps of the fixed point. R is affine in x, so (PR3) takes no
+ * product with K, and neither does Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc
  * of x| - |u_tc of s|).
  *
- * Convergence: each (PR1) with 0 < omega < 2, (PR2) and (PR3) lowers Q or leaves it, so the sweeps
+ * Convergence: each (PR1) with 0 < omega < 2, (PR2) and (PR3) never raises Q, so the sweeps
  * solve Tresca's problem from any start. The fixed point is a contraction for small mu only.
  *
  * Source: [C] 4.2, which gives no formula for its Aitken procedure. Deviations: a contact node
- * takes the exact solution of its 2 x 2 problem, n and t together, and is not over-relaxed (without
- * gain on [J] Figs. 3 and 4, and against the argument above); the inner problems are not solved to
- * the end (PR4), which the paper leaves open; R by columns in the place of (K x)_i by rows: the
- * same products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
+ * takes the exact solution of its 2 x 2 problem, n and t together, without over-relaxation (no gain
+ * on [J] Figs. 3 and 4, and against the argument above); the inner problems are not solved to the
+ * end (PR4), which the paper leaves open; R is updated by columns, not (K x)_i by rows: the same
+ * products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
  *
- * Cost of a sweep: the columns of K once; besides O(n).
+ * Cost of a sweep: one pass over the columns of K, and O(n).
  * What can fail: the fixed point diverges or cycles for large mu (DLS_MAX_ITERATIONS); the number
  * of sweeps grows with the mesh.
  */
@@ -70,7 +70,7 @@ struct dls_primal {
   double *coupling, *schur; /* K_nt; K_tt - K_tn K_nn^-1 K_nt */
   /* of contact nodes, two each: for the certificate */
   double *r, *u, *q, *A, *F;
-  double begun; /* CPU seconds when the solve began; -1: nobody asks */
+  double begun; /* CPU seconds when the solve began; -1: not needed */
 };
 
 static const char primal_name[] = "gauss-seidel"; /* in calls of progress */
@@ -168,7 +168,7 @@ void dls_primal_destroy(dls_primal *workspace) {
 
 /* ---- the sweep ------------------------------------------------------------------------------- */
 
-/* x_i := value, R with it. Returns 1 if that is a change. */
+/* x_i := value, and updates R. Returns 1 if x_i changes. */
 static int primal_move(const dlsi_frames *K, int i, double value, double *x, double *R) {
   const double step = value - x[i];
   if (step == 0) return 0;
@@ -250,14 +250,14 @@ static double primal_force_norm(const dls_primal *work, const double *v, int all
 typedef struct primal_measure {
   double equilibrium;
   dls_certificate laws; /* its residuals */
-  double tresca;        /* residual_u with |r_t| <= b in the place of |r_t| <= mu r_n */
+  double tresca;        /* residual_u with |r_t| <= b for |r_t| <= mu r_n */
 } primal_measure;
 
 static double primal_ratio(double part, double whole) {
   return part == 0 ? 0 : part / whole;
 }
 
-/* r (2) := the reaction -R of contact c: 0 where that is no more than the rounding of R. */
+/* r (2) := the reaction -R of contact c: 0 if that is only the rounding of R. */
 static void primal_reaction(const dls_primal *work, int c, double *r) {
   const int of[2] = {work->K.normal[c], work->K.tangent[c]};
   const double rounding = 4 * DBL_EPSILON * (work->a[of[0]] + work->a[of[1]]);
@@ -266,7 +266,7 @@ static void primal_reaction(const dls_primal *work, int c, double *r) {
     r[i] = is_rounding ? 0 : -work->R[of[i]];
 }
 
-/* Estimates the certificate from the R at hand; load = |f|. */
+/* Estimates the certificate from the current R; load = |f|. */
 static primal_measure primal_estimate(const dls_primal *work, double load) {
   const dlsi_frames *K = &work->K;
   double laws = 0, tresca = 0, size = 0; /* squares, in displacements */
@@ -421,7 +421,7 @@ static int time_for_thresholds(const primal_measure *now, double balance) {
   return now->tresca <= half && now->equilibrium <= primal_larger(half, balance);
 }
 
-/* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is
+/* Sweeps until the certificate holds. Returns DLS_OK, or the reason to stop before. work->x is then
  * the best iterate, and work->r, work->u and *info belong to it. < 0: K is not positive definite,
  * as *curvature shows. */
 static dls_status primal_iterate(dls_primal *work, dls_primal_info *info, double *curvature) {
@@ -510,7 +510,7 @@ static dls_status primal_check_input(const dls_primal *work, const double *f, co
   return work->settings.limits.warm_start ? dlsi_check_vector("x", x, n, error) : DLS_OK;
 }
 
-/* Loads, gaps and the start in local frames. */
+/* Sets loads, gaps and the start in local frames. */
 static void primal_load(dls_primal *work, const double *f, const double *g, const double *mu,
                         const double *x) {
   const dlsi_frames *K = &work->K;

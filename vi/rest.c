@@ -1,50 +1,49 @@
 /*
  * rest.c: structures at rest, d = 2 and 3: walls, arches, chains, towers; a stage of auto.
  *
- * Where nothing slides and opens at the same time, s_c = mu |u_t| of the law may be left out, and
- * what remains is convex: with the scales of cone.h and the largest entry of q as a unit,
+ * If nothing slides and opens at the same time, s_c = mu |u_t| may be omitted from the law, and the
+ * rest is convex: with the scales of cone.h and the largest entry of q as a unit,
  *
  *   (AR1)  W x + q = z,   x_c and z_c in the Lorentz cone,  x_c.z_c = 0
  *
- * Its answer is that of the law if |z_t| is 0, which the certificate tells. From r = 0, the law
- * with its s_c leads large structures away from the answer, and they return late or never.
+ * Its answer is that of the law if |z_t| is 0, which the certificate tests. From r = 0, the law
+ * with s_c leads large structures away from the answer, and they return late or never.
  *
  *   (AR2)  z = P(v), the projection on the cones
  *   (AR3)  (W + R) x = R (2 z - v) - q,   R = diag(rho_c)
  *   (AR4)  v := v + (x - z), from iteration 10 on v + 1.4 (x - z). The first x is almost the
- *          smallest one with W x = -q: where it lies in the cones, it is the answer.
- *   (AR5)  rho_c = 1e-8: below the nonzero eigenvalues of W, so that the count of iterations does
- *          not grow with them, and above its rounding, eps / rho of which enters x. Where no pivot
- *          of W + R is below 100 rho, W is regular and 1e-12 takes the place of 1e-8: x is then
- *          almost the answer of W x = -q. Else, after 10 iterations and after 20, rho_c = 1e-6 /
- *          |z_c| with the mean of |z| as a unit, at most 1e-3, and v such that z and R (z - v)
- *          stay. Balancing residuals does not find such a rho: they look balanced at a thousand
- *          times as much.
- *   (AR6)  ends where 50 iterations have not halved the residual. An interior point follows, but
- *          where only the rounding of W r stands against the answer:
+ *          smallest one with W x = -q: if it lies in the cones, it is the answer.
+ *   (AR5)  rho_c = 1e-8: below the nonzero eigenvalues of W, so that the number of iterations does
+ *          not grow with them, and above its rounding, of which eps / rho enters x. If no pivot of
+ *          W + R is below 100 rho, W is regular and rho_c = 1e-12: x is then almost the answer of
+ *          W x = -q. Else, after 10 and after 20 iterations, rho_c = 1e-6 / |z_c| with the mean of
+ *          |z| as a unit, at most 1e-3, and v such that z and R (z - v) stay. Balancing residuals
+ *          does not find such a rho: they look balanced at 1000 times as much.
+ *   (AR6)  ends if 50 iterations have not halved the residual. An interior point follows, unless
+ *          only the rounding of W r stands against the answer:
  *
  *   (AR7)  P of cone.h with lambda = P x = P^-1 z. A direction for a right-hand side rc:
  *          (W + P^2 + delta) dx = h - (W x + q - z),  dz = h - P^2 dx,  h = P (lambda \ rc)
  *   (AR8)  affine:   rc = - lambda o lambda, largest step a; sigma = max((1 - a)^3, 1e-3)
  *          combined: rc = sigma tau e - lambda o lambda - (P dx) o (P^-1 dz), dx and dz the affine
- *          ones, tau = x.z / nc. Where its step is below .1: without the last term, sigma >= .5
+ *          ones, tau = x.z / nc. If its step is below .1: without the last term, sigma >= .5
  *   (AR9)  x, z += .99 times the largest step, at most 1
- *   (AR10) ends where the residual is far above what tau leaves, tau < 0.01 and < 0.03 residual^2:
- *          something slides. Its point is then a good start for the stages that follow.
+ *   (AR10) ends if the residual is far above what tau leaves, tau < 0.01 and < 0.03 residual^2:
+ *          something slides. This point is a good start for the stages that follow.
  *
  *   (AR11) ends before a factorisation of W + R or of W + P^2 that takes more operations than 1000
  *          sweeps: pyramids in 3D, whose fill grows faster than their contacts. Walls, domes and
- *          towers of 40,000 contacts take up to 350.
+ *          towers of 40,000 contacts take up to 350 sweeps.
  *
  * Source: (AR2)-(AR4) Lions and Mercier, SIAM J. Numer. Anal. 16, 1979; (AR7)-(AR9) Mehrotra's
  * predictor and corrector for cones, Andersen, Roos and Terlaky, Math. Program. 95, 2003, 249-277.
- * delta = 1e-10 keeps the factorisation definite where W is singular and P small.
- * Cost: W + R by joints.c, 1 to 3 factorisations and 1 to 250 solves; W + P^2, whose blocks range
- * from tau to 1 / tau and would be lost in those of a joint, by cholesky.c: of the interior point
- * 11 to 20 factorisations, up to 60 for long chains, three solves each. Each of the two is analysed
- * once. Allocates the matrices and their factors in each solve.
- * What can fail: W not symmetric, or a candidate without W_cc: DLS_STALLED at once. What flows: the
- * answer of (AR1) opens where it slides.
+ * delta = 1e-10 keeps the factorisation definite if W is singular and P small.
+ * Cost of the splitting: W + R by joints.c, 1 to 3 factorisations and 1 to 250 solves; of the
+ * interior point: W + P^2 by cholesky.c, 11 to 20 factorisations, up to 60 for long chains, three
+ * solves each. The blocks of P^2 range from tau to 1 / tau and would be lost in those of a joint.
+ * Each of the two is analysed once. Each solve allocates the matrices and their factors.
+ * What can fail: W not symmetric, or a contact without W_cc: DLS_STALLED at once. If something
+ * slides, the answer of (AR1) opens there.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -77,15 +76,15 @@ typedef struct rest {
   double *r;                 /* m: scratch */
   double *rho, *eta;         /* nc */
   int *row, *col;            /* of the lower triangle of W, counted from 1; before these entries */
-  double *value;             /* ... a triangle per candidate of what is added to W */
+  double *value;             /* ... a triangle per contact of what is added to W */
   size_t entries;
   dlsi_cholesky *factor;
   dlsi_joints *joints; /* W + R of (AR3) */
-  dlsi_watch watch;    /* the clock, while a factorisation is under way */
+  dlsi_watch watch;    /* the clock of a factorisation */
   dlsi_iterate it;
 } rest;
 
-/* ---- W + a block per candidate --------------------------------------------------------------- */
+/* ---- W + a block per contact ----------------------------------------------------------------- */
 
 static size_t added_entries(int d, int nc) {
   return (size_t)(d * (d + 1) / 2) * (size_t)nc;
@@ -151,7 +150,7 @@ static dls_status rest_analyse(rest *work, int nc, dls_error *error) {
   return status;
 }
 
-/* Fills (AR1). DLS_STALLED where there is no such problem. */
+/* Fills (AR1). DLS_STALLED if there is no such problem. */
 static dls_status rest_set(rest *work, const dls_contact *problem) {
   const size_t m = (size_t)(work->d * problem->nc);
   work->unit = dlsi_cone_scales(problem, work->eta, work->S);
@@ -187,7 +186,7 @@ static int rest_is_over(void *data, const dls_progress *progress) {
   return dlsi_clock_is_over(&work->limits, work->it.begun);
 }
 
-/* (AR11) Lets the clock watch the factorisations. DLS_STALLED where they take too long. */
+/* (AR11) Makes the clock watch the factorisations. DLS_STALLED if they take too long. */
 static dls_status rest_foresee(rest *work, const dls_contact *problem, dlsi_cholesky *factor) {
   const double sweep = 2. * problem->d * problem->d * problem->Wb.p[problem->nc];
   work->watch = (dlsi_watch){.begun = work->it.begun};
@@ -199,7 +198,7 @@ static dls_status rest_foresee(rest *work, const dls_contact *problem, dlsi_chol
   return factor->flops > most_fill * sweep ? DLS_STALLED : DLS_OK;
 }
 
-/* Returns the status of a factorisation: DLS_STALLED where the matrix is not definite,
+/* Returns the status of a factorisation: DLS_STALLED if the matrix is not definite,
  * DLS_TIME_LIMIT, DLS_E_MEMORY. */
 static dls_status rest_status(int failed, dls_error *error) {
   if (failed == dlsi_stopped) return DLS_TIME_LIMIT;
@@ -220,7 +219,7 @@ static double rest_offer(rest *work, const dls_contact *problem, const double *x
   return dlsi_iterate_offer(&work->it, problem, work->r).residual;
 }
 
-/* Returns DLS_OK to go on after an iteration. */
+/* Reports an iteration. Returns DLS_OK to go on. */
 static dls_status rest_tell(rest *work, dls_info *outcome) {
   outcome->iterations++;
   return dlsi_iterate_tell(&work->it, "rest", outcome->iterations, 0, work->it.certificate.residual,
@@ -265,8 +264,8 @@ static dls_status rest_next_metric(rest *work, int nc, dls_info *outcome, dls_er
   return rest_factor_metric(work, outcome, error);
 }
 
-/* (AR2)-(AR6). Returns DLS_OK where the certificate of an x holds, DLS_STALLED, the reason for an
- * end by the caller, or an error. */
+/* (AR2)-(AR6). Returns DLS_OK if the certificate of an x holds, DLS_STALLED, the reason for an end
+ * by the caller, or an error. */
 static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *outcome,
                              dls_error *error) {
   const int d = work->d, nc = problem->nc, m = d * nc;
@@ -307,7 +306,7 @@ static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *o
 
 /* ---- interior point -------------------------------------------------------------------------- */
 
-/* y := P^2 x for candidate c; y is not x. */
+/* y := P^2 x for contact c; y is not x. */
 static void rest_square(const rest *work, int c, const double *x, double *y) {
   const double *w = work->w + work->d * c;
   double v[3];
@@ -315,7 +314,7 @@ static void rest_square(const rest *work, int c, const double *x, double *y) {
   dlsi_cone_scale(work->d, work->eta[c], w, 0, v, y);
 }
 
-/* Factorises W + P^2 + delta at (x, z). DLS_STALLED where that fails. */
+/* Factorises W + P^2 + delta at (x, z). DLS_STALLED if that fails. */
 static dls_status rest_factor_point(rest *work, int nc, dls_info *outcome, dls_error *error) {
   const int d = work->d;
   size_t k = 0;
@@ -462,7 +461,7 @@ static dls_status rest_create(void **out, int d, int nc, const dlsi_options *opt
   return dlsi_workspace(out, &filled, sizeof filled, rest_carve, nc, error);
 }
 
-/* A stage of auto alone, which has no number among the methods: it is a splitting at first. */
+/* A stage of auto only, without a number among the methods: it begins as a splitting. */
 const dlsi_method dlsi_rest_method = {
     .method = DLS_ADMM,
     .name = "rest",

@@ -2,23 +2,23 @@
  * scatter.c: Newton's method from many scattered starts, d = 2 and 3, for small problems on which
  * all else fails.
  *
- * Newton's method on the friction law (newton.c) ends in a few steps where the states of the start
- * are those of a solution, or near them. Where a problem has a solution that no path leads to,
- * states drawn at random find it sooner or later.
+ * Newton's method on the friction law (newton.c) ends in a few steps if the states of the start are
+ * those of a solution, or near them. If no path leads to a solution, states drawn at random find it
+ * sooner or later.
  *
- *   (SC1)  draw a state for each candidate, free, stick, or slip in some direction t, with shares
- *          that are drawn, too; at every other start take the states of the best r so far and draw
- *          one candidate or a few again
- *   (SC2)  r: the least linear problem that these states leave, u_n = 0 and r_t = mu r_n t where a
- *          candidate slips, u = 0 where it sticks; W_cc is raised by 1e-6 w_c, so that a W of low
- *          rank has an answer. An r_n < 0 changes its sign
- *   (SC3)  up to 20 steps of Newton's method from there, with its line search at every third and
- *          fourth start; stop if the certificate holds
+ *   (SC1)  draw a state for each contact, free, stick, or slip in some direction t; the shares
+ *          are drawn, too. Every other start takes the states of the best r so far and draws one
+ *          or a few of them again
+ *   (SC2)  r solves the smallest linear problem of these states: u_n = 0, r_t = mu r_n t for slip,
+ *          u = 0 for stick; W_cc is raised by 1e-6 w_c, so that a W of low rank has an answer. In
+ *          slip an r_n < 0 changes its sign
+ *   (SC3)  up to 20 Newton steps from there, with line search in the third and fourth of every four
+ *          starts; stop if the certificate holds
  *
- * The numbers follow from a fixed seed: the same problem takes the same starts, as many as cost
- * some 3e9 flops, at most 2000. auto takes an eighth of them first, and the rest at last.
+ * A fixed seed gives the same problem the same starts: as many as cost some 3e9 flops, at most
+ * 2000. auto takes an eighth of them first, and the rest last.
  *
- * Cost: 21 LU of up to m x m a start. What can fail: that no start is near a solution; that proves
+ * Cost of a start: 21 LU of up to m x m. What can fail: no start is near a solution, which proves
  * nothing.
  */
 #include <float.h>
@@ -32,7 +32,7 @@
 
 enum { most_starts = 2000, steps_of_start = 20 };
 static const double most_flops = 3e9;
-static const double on_edge = 1e-6; /* a reaction that lacks no more than this share slips */
+static const double on_edge = 1e-6; /* a reaction this close to the edge of its cone slips */
 static const double shift = 1e-6;   /* (SC2), of w_c */
 
 typedef struct scatter {
@@ -52,8 +52,7 @@ static double scatter_draw(scatter *work, double low, double high) {
   return low + (high - low) * dlsi_draw(work->state);
 }
 
-/* Sets r to what tells a state: (1, mu t) of a candidate that slides along t, (1, 0) of one that
- * sticks, 0 of one that is free. */
+/* Sets r to the code of a state: (1, mu t) for slip along t, (1, 0) for stick, 0 for free. */
 static void scatter_draw_state(scatter *work, int d, double mu, double free, double slides,
                                double *r) {
   const double is_free = scatter_draw(work, 0, 1), slip = scatter_draw(work, 0, 1);
@@ -66,14 +65,14 @@ static void scatter_draw_state(scatter *work, int d, double mu, double free, dou
   if (d == 3) r[2] = mu * sin(3.141592653589793 * turn);
 }
 
-/* (SC1) r := states drawn again. */
+/* (SC1) r := newly drawn states. */
 static void scatter_anew(scatter *work, const dls_contact *problem) {
   const double free = scatter_draw(work, 0, 1), slides = scatter_draw(work, 0, 1);
   for (int c = 0; c < problem->nc; c++)
     scatter_draw_state(work, problem->d, problem->mu[c], free, slides, work->r + problem->d * c);
 }
 
-/* (SC1) r := the states of the best r, but for some. */
+/* (SC1) r := the states of the best r, some drawn again. */
 static void scatter_near(scatter *work, const dls_contact *problem) {
   const int d = problem->d, nc = problem->nc;
   for (int c = 0; c < nc; c++) {
@@ -92,8 +91,8 @@ static void scatter_near(scatter *work, const dls_contact *problem) {
   } while (scatter_draw(work, 0, 1) < 0.5);
 }
 
-/* first[c] := the first unknown of candidate c: none if it is free, the size of its r if it slips,
- * d if it sticks. */
+/* first[c] := the first unknown of contact c: none if it is free, the size of r_c if it slips, d if
+ * it sticks. */
 static void scatter_number(scatter *work, const dls_contact *problem) {
   const int d = problem->d;
   int k = 0;
@@ -128,7 +127,7 @@ static void scatter_fill(scatter *work, const dls_contact *problem) {
     }
 }
 
-/* (SC2) r := the start for the states that r tells. Returns 0 if there is none. */
+/* (SC2) r := the start for the states coded in r. Returns 0 if there is none. */
 static int scatter_start(scatter *work, const dls_contact *problem) {
   const int d = problem->d, nc = problem->nc;
   scatter_number(work, problem);
@@ -237,7 +236,7 @@ static dls_status scatter_create(void **out, int d, int nc, const dlsi_options *
   return status;
 }
 
-/* A stage of auto alone, which has no number among the methods: its steps are Newton's. */
+/* A stage of auto only, without a number among the methods: its steps are Newton's. */
 const dlsi_method dlsi_scatter_method = {
     .method = DLS_NEWTON,
     .name = "scatter",

@@ -1,23 +1,23 @@
 /*
- * slabs.c: sorts candidates into slabs that may be swept at the same time.
+ * slabs.c: sorts contacts into slabs that may be swept at the same time.
  *
- * Two candidates are neighbours where they change the same row of u, of bodies where they share a
- * body. Levels are the distances from a far candidate, so that neighbours are at most one level
- * apart. A slab is one level or more, 64 candidates and a fourth of all at least. So slabs of the
- * same parity, with a level between them, have no neighbours:
+ * Two contacts are neighbours if they change the same row of u; of bodies, if they share a body.
+ * The level of a contact is its distance from a far contact, so neighbours are at most one level
+ * apart. A slab has at least one level, 64 contacts and 1/4 of all. So slabs of the same parity,
+ * with a level between them, have no neighbours:
  *
  *   levels   0 1 2 | 3 | 4 | 5 | 6 7 | ..       all even slabs at the same time,
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
  *
  * Few slabs are near the order of the numbers, in which packings at rest take the fewest sweeps
- * (bench/results/lanes_auto.md); four of them keep two threads at work.
+ * (bench/results/lanes_auto.md). Four slabs keep two threads at work.
  *
  * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
- * Within a slab candidates ascend, as they stand in memory. Parts that nothing couples follow each
- * other in the same row of levels.
+ * Within a slab contacts ascend, as in memory. Parts that are not coupled follow each other in one
+ * row of levels.
  *
- * Cost: two walks over the graph, a few sweeps. What can fail: memory. A body that most candidates
- * touch leaves few levels: then there is little to do at the same time.
+ * Cost: two walks over the graph, a few sweeps. What can fail: memory. If most contacts touch one
+ * body, there are few levels, and little to do at the same time.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -32,22 +32,22 @@ int dlsi_pieces(int count) {
   return count / piece_size < dlsi_most_pieces ? count / piece_size : dlsi_most_pieces;
 }
 
-/* The graph: candidates and what joins them, bodies or, W by blocks, the candidates themselves. */
+/* The graph: contacts and their joints, bodies or, W by blocks, the contacts themselves. */
 typedef struct slabs_graph {
   int nc, joints;
-  int *joint; /* nc + 1 starts, then the joints of each candidate */
-  int *of;    /* joints + 1 starts, then the candidates of each joint */
-  int *done;  /* joints: 1: all candidates of this joint have been reached */
+  int *joint; /* nc + 1 starts, then the joints of each contact */
+  int *of;    /* joints + 1 starts, then the contacts of each joint */
+  int *done;  /* joints: 1: all contacts of this joint have been reached */
 } slabs_graph;
 
-/* Returns how many joints candidate c has. */
+/* Returns the number of joints of contact c. */
 static int slabs_degree(const dls_contact *problem, int c) {
   const int *body = problem->bodies.body + 2 * c;
   if (problem->Wb.x) return problem->Wb.p[c + 1] - problem->Wb.p[c] + 1;
   return (body[0] >= 0) + (body[1] >= 0);
 }
 
-/* Writes the joints of candidate c: W by blocks, itself and each row of its column. */
+/* Writes the joints of contact c: W by blocks, itself and each row of its column. */
 static void slabs_write(const dls_contact *problem, int c, int *joint) {
   if (problem->Wb.x) {
     *joint++ = c;
@@ -79,8 +79,8 @@ static void slabs_fill(const slabs_graph *g, const dls_contact *problem) {
   g->of[0] = 0;
 }
 
-/* Walks from candidate `from` over what can be reached: queue[first ..] in the order of the walk,
- * level of each from `level` on. Returns the end of the queue. */
+/* Walks from contact `from` over all that can be reached: queue[first ..] in the order of the walk,
+ * level of each, from `base` on. Returns the end of the queue. */
 static int slabs_walk(const slabs_graph *g, int from, int first, int base, int *queue, int *level) {
   const int *joint = g->joint + g->nc + 1, *of = g->of + g->joints + 1;
   int end = first;
@@ -102,7 +102,7 @@ static int slabs_walk(const slabs_graph *g, int from, int first, int base, int *
   return end;
 }
 
-/* Forgets the walk that filled queue[first .. end-1]. */
+/* Undoes the walk that filled queue[first .. end-1]. */
 static void slabs_forget(const slabs_graph *g, const int *queue, int first, int end, int *level) {
   const int *joint = g->joint + g->nc + 1;
   for (int at = first; at < end; at++) {
@@ -113,7 +113,7 @@ static void slabs_forget(const slabs_graph *g, const int *queue, int first, int 
   }
 }
 
-/* queue := the candidates by levels: of each part from the candidate that a first walk reached
+/* queue := the contacts by levels; each part begins at the contact that a first walk reached
  * last. */
 static void slabs_order(const slabs_graph *g, int *queue, int *level) {
   int first = 0, base = 0;
@@ -134,7 +134,7 @@ static int slabs_compare(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Cuts the queue into slabs. Returns how many. */
+/* Cuts the queue into slabs. Returns their number. */
 static int slabs_cut(int nc, int *queue, const int *level, int *start) {
   const int least = nc / most_slabs > least_candidates ? nc / most_slabs : least_candidates;
   int slabs = 0, first = 0;

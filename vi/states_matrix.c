@@ -1,7 +1,7 @@
 /*
  * states_matrix.c: the matrix of a contact problem whose states are chosen.
  *
- * With the states, the laws are equations for the reactions r that are not zero. To first order
+ * Given the states, the laws are equations for the reactions that are not zero. To first order
  * dr = E y, and the equations are rows R of u = W r + q. Per contact, with t the direction of r_t
  * (of -u_t where r_t = 0), and p = t turned by 90 degrees (d = 3):
  *
@@ -19,8 +19,8 @@
  * (facts/derive.c).
  *
  * Cost: 2/3 n^3 for the factors, half of that by Cholesky (all stick, or mu = 0, and W symmetric),
- * much less sparse. What can fail: A is singular where W does not determine r, and holds on one
- * side only where a contact is on the border of two states.
+ * much less sparse. What can fail: A is singular if W does not determine r, and holds on one side
+ * only if a contact is on the border of two states.
  */
 #include "states_matrix.h"
 
@@ -142,8 +142,8 @@ void dlsi_branches_add_rows(int d, int nc, const dlsi_branch *branch, const doub
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
 
-/* Returns L and the shift of unknown j of contact c. R E is the unit matrix but for the tangential
- * part of (1, mu t), which the row across does not see: no entry beside the diagonal is needed. */
+/* Returns L plus the shift of unknown j of contact c. R E is the unit matrix except the tangential
+ * part of (1, mu t), which is orthogonal to the row across: the diagonal suffices. */
 static double states_diagonal(const dlsi_branch *b, const double *shift, int c, int j) {
   const double RE = b[c].symmetric && b[c].state == DLS_SLIP && j == 0 ? 1 + b[c].mu * b[c].mu : 1;
   return (shift ? shift[c] * RE : 0) + (b[c].state == DLS_SLIP && j == 1 ? b[c].l : 0);
@@ -187,7 +187,7 @@ static void states_fill_dense(const dls_contact *problem, const dlsi_branch *bra
     }
 }
 
-/* A (n x n) or, NULL, the sparse arrays of the room with the starts of their columns in p. */
+/* Fills A (n x n) or, if NULL, the sparse arrays of the room, with the starts of columns in p. */
 static void states_fill_blocks(const dls_contact *problem, const dlsi_branch *branch,
                                const double *shift, int n, int *p, dlsi_room *room, double *A) {
   int entries = 0;
@@ -240,9 +240,9 @@ void dlsi_states_carve(dlsi_states_matrix *A, dlsi_arena *arena) {
   A->p = dlsi_take(arena, m + 1, sizeof *A->p);
 }
 
-/* Returns 1 if so many blocks are factorised sparse. From a quarter of all blocks on, the sparse
- * matrix takes the room of the dense one, and MUMPS more time than LAPACK: 1 to 2.5 times (d = 3,
- * 200 and 500 candidates, band or scattered; at an eighth 0.4 to 1.1 times). */
+/* Returns 1 if a W of `blocks` blocks is factorised sparse. From 1/4 of all blocks on, the sparse
+ * matrix takes the room of the dense one, and MUMPS takes 1 to 2.5 times as long as LAPACK (d = 3,
+ * 200 and 500 contacts, band or scattered; at 1/8 0.4 to 1.1 times). */
 static int states_are_sparse(int nc, int blocks) {
   return blocks < 0.25 * nc * nc;
 }

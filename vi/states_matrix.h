@@ -10,7 +10,7 @@
 typedef struct dlsi_branch {
   short state;     /* dls_contact_state */
   short symmetric; /* 1: R = E^T (SM3), 0: (SM1) */
-  short count;     /* of its unknowns, ... */
+  short count;     /* number of unknowns, ... */
   int first;       /* ... the first one */
   double mu;
   double t[2]; /* slip: direction along; across, d = 3: (-t[1], t[0]) */
@@ -53,8 +53,8 @@ typedef enum dlsi_states_factors {
   DLSI_SPARSE_FACTORS
 } dlsi_states_factors;
 
-/* A with its factors: Cholesky where A is symmetric and positive definite, else LU, in dense
- * storage; by MUMPS where W by blocks is sparse. */
+/* A with its factors: Cholesky if A is symmetric and positive definite, else LU, in dense storage;
+ * by MUMPS if W by blocks is sparse. */
 typedef struct dlsi_states_matrix {
   int d, nc, n;                /* n: unknowns, of the caller with `branch` */
   dlsi_branch *branch;         /* nc */
@@ -69,7 +69,7 @@ typedef struct dlsi_states_matrix {
 /* Takes branch, pivot and p. d, nc: set. */
 void dlsi_states_carve(dlsi_states_matrix *A, dlsi_arena *arena);
 
-/* Makes room for the matrices of nc contacts, W dense (blocks = 0) or with so many blocks. told:
+/* Makes room for the matrices of nc contacts, W dense (blocks = 0) or in `blocks` blocks. told:
  * blocks announced for A->nc contacts, 0: none; they decide how A is factorised. DLS_E_MEMORY. */
 dls_status dlsi_states_reserve(dlsi_states_matrix *A, int nc, int blocks, int told,
                                dls_error *error);
@@ -82,8 +82,8 @@ dls_status dlsi_states_factor(dlsi_states_matrix *A, const dls_contact *problem,
 dls_status dlsi_states_solve(const dlsi_states_matrix *A, int transposed, double *x,
                              dls_error *error);
 
-/* Allocates A with a room of its own for the problem, W dense or by blocks. After that no call
- * allocates but MUMPS. *out = NULL on error: DLS_E_MEMORY. destroy: NULL is fine. */
+/* Allocates A with a room of its own for the problem, W dense or by blocks. Later only MUMPS
+ * allocates. *out = NULL on error: DLS_E_MEMORY. destroy: NULL is fine. */
 dls_status dlsi_states_create(dlsi_states_matrix **out, const dls_contact *problem,
                               dls_error *error);
 void dlsi_states_destroy(dlsi_states_matrix *A);

@@ -1,17 +1,17 @@
 /*
- * turns.c: a few ways to iterate take turns: who halves the residual at the lowest cost goes on.
+ * turns.c: variants of an iteration take turns: the one with the lowest cost continues.
  *
- *   (TU1) price of a way: what its last halving has cost, at least first_price; where its last turn
- *         ended without one, what that turn has cost over the part of a halving that it has
- *         brought, log2 of the residuals, at least least_part; 0 where it has not been tried
- *   (TU2) a way goes on until it has spent 3/2 of the lowest cost of the others, and of
+ *   (TU1) price of a variant: the cost of its last halving, at least first_price; if its last turn
+ *         ended without one, the cost of that turn over the part of a halving that it has brought,
+ *         log2 of the residuals, at least least_part; 0 if the variant has not been tried
+ *   (TU2) a variant continues until it has spent 3/2 of the lowest price of the others, and of
  *         first_price, without halving the least residual so far
- *   (TU3) then the other one of the lowest cost follows, the first of them where two have it
+ *   (TU3) then the other one of the lowest price follows, of equals the first
  *
- * Where no way halves the residual, prices grow from turn to turn, so that each gets longer and
+ * If no variant halves the residual, prices grow from turn to turn. Each then gets longer and
  * longer turns, the one that gets farthest the longest. No clock is read.
  *
- * Cost: nothing. What can fail: the best way is found late where it begins slowly, and where ways
+ * Cost: none. What can fail: the best variant is found late if it begins slowly, or if variants
  * need each other.
  */
 #include <math.h>

@@ -1,22 +1,22 @@
 /*
- * unique.c: whether a contact problem has one answer at most, d = 1, 2, 3; any W.
+ * unique.c: tests whether a contact problem has at most one answer, d = 1, 2, 3; any W.
  *
- * Let delta be the difference of two answers and v = W delta. The normal law says delta_n v_n <= 0;
- * the discs that hold r_t have radii mu r_n, which differ by mu |delta_n|, and -u_t is normal to
- * them, so that for each candidate
+ * Let delta be the difference of two answers and v = W delta. By the normal law delta_n v_n <= 0.
+ * The discs of r_t have radii mu r_n, which differ by mu |delta_n|, and -u_t is normal to them. So
+ * for each contact
  *
  *   (UN1)  delta_c.v_c <= mu_c |delta_n| |v_t|
  *
  *   (UN2)  Without friction delta_n.W_nn delta_n <= 0: there is one answer if the symmetric part of
  *          W_nn is positive definite.
  *   (UN3)  With |v_t| <= sum_j |W_tc,j| |delta_j| in (UN1): there is one answer if, in rows and
- *          columns scaled by 1/sqrt(w_c), the symmetric part of N is dominant by its diagonal,
+ *          columns scaled by 1/sqrt(w_c), the symmetric part of N is diagonally dominant,
  *            N_cc = least eigenvalue of W_cc - mu_c |W_tc,c|,   N_cj = -(|W_cj| + mu_c |W_tc,j|).
  *
  * |.| of a block is Frobenius' norm. Source: (UN2) Cottle, Pang, Stone, The Linear Complementarity
- * Problem, 1992, 3.3; (UN1) and (UN3) from the law as said.
- * Cost: (UN3) a product with W at most; (UN2) n^3/3 for n candidates.
- * What can fail: (UN3) usually proves nothing where many candidates touch one body.
+ * Problem, 1992, 3.3; (UN1) and (UN3) from the law as above.
+ * Cost: (UN3) a product with W at most; (UN2) n^3/3 for n contacts.
+ * What can fail: (UN3) usually proves nothing if many contacts touch one body.
  */
 #include <math.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static double least_of_two(double a, double b, double g) {
   return (a + b) / 2 - hypot((a - b) / 2, g);
 }
 
-/* Returns a bound from below of the least eigenvalue of the symmetric part of W, d x d. */
+/* Returns a lower bound of the least eigenvalue of the symmetric part of W, d x d. */
 static double least_eigenvalue(int d, const double *W) {
   if (d == 1) return W[0];
   if (d == 2) return least_of_two(W[0], W[3], (W[1] + W[2]) / 2);

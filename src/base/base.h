@@ -1,6 +1,5 @@
 /*
- * base.h: the hidden floor of the library, which every other room stands on. Names start with
- * dlsi_.
+ * base.h: the hidden base of the library, used by every other folder. Names start with dlsi_.
  */
 #ifndef DLSI_BASE_H
 #define DLSI_BASE_H
@@ -29,10 +28,10 @@
 
 /* ---- loops that vectorise -------------------------------------------------------------------- */
 
-/* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
- * Products and sums are rounded one by one in both, to the same bits. Functions that it calls have
- * to be inlined. Not under the thread sanitizer, whose code would run before it is set up, as the
- * linker chooses; not without optimisation, so that make coverage sees each line once. */
+/* Compiles a function twice, plain and with AVX2, if the linker can choose at load time. Both round
+ * products and sums one by one, to the same bits. Functions that it calls must be inlined. Not
+ * under the thread sanitizer, whose code would run before it is set up, when the linker chooses;
+ * not without optimisation, so that make coverage sees each line once. */
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define __SANITIZE_THREAD__
@@ -55,16 +54,16 @@ typedef struct dlsi_host {
   fenv_t environment;
 } dlsi_host;
 
-/* Is what a public function puts back. */
+/* Holds what a public function restores. */
 typedef struct dlsi_door {
   unsigned control;     /* x86-64: control and flags of SSE, ... */
   unsigned short flags; /* ... flags of the x87, which BLAS and LAPACK may use */
-  int held;             /* 1: the host traps or rounds otherwise, found and before are set */
+  int held;             /* 1: the host traps or rounds otherwise; found and before are set */
   fenv_t found;
   dlsi_host before;
 } dlsi_door;
 
-/* The slow halves of the two below. */
+/* The slow halves of the next two. */
 void dlsi_hold_host(dlsi_door *door);
 void dlsi_free_host(const dlsi_door *door);
 
@@ -102,14 +101,14 @@ static inline void dlsi_door_close(dlsi_door *door) {
 }
 #endif
 
-/* Stands first in every public function that may compute, in functions of the library that are
- * called back as a host's are, and in those that a thread begins with: no trap, to nearest. As the
- * function returns, traps, flags and rounding are those that it found. */
+/* Comes first in every public function that may compute, in functions of the library that are
+ * called back as a host's are, and in entry functions of threads: no trap, round to nearest. When
+ * the function returns, it restores traps, flags and rounding. */
 #define DLSI_DOOR                                                                                  \
   dlsi_door door __attribute__((cleanup(dlsi_door_close)));                                        \
   dlsi_door_open(&door)
 
-/* Stand before and after a call of the host's, which sees the environment that the host left. */
+/* Enclose a call of the host's code, which runs in the environment that the host left. */
 void dlsi_go_out(dlsi_host *own);
 void dlsi_come_in(const dlsi_host *own);
 
@@ -129,8 +128,8 @@ dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, 
                      double value, const char *format, ...) DLSI_PRINTF(6, 7);
 
 /* Returns status; puts the name of the public function into *error (NULL: nothing) if status is an
- * error. Every public function ends in it: return dlsi_at(__func__, status, error). Where one
- * public function has called another, the name of the outer one stays. */
+ * error. Every public function ends in it: return dlsi_at(__func__, status, error). If one public
+ * function has called another, the outer name stays. */
 dls_status dlsi_at(const char *function, dls_status status, dls_error *error);
 
 /* Report the two commonest failures. They are inline, so that every reader (and analyser) sees that
@@ -160,15 +159,15 @@ dls_status dlsi_check_model(const dls_model *model, dls_error *error);
 /* Checks that the n friction coefficients "mu" are >= 0; INFINITY is one. */
 dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
 
-/* Returns 1 for an infinite friction, which bonds the tangents of a candidate that is pressed. */
+/* Returns 1 for an infinite friction: it bonds the tangents of a contact that is pressed. */
 static inline int dlsi_is_bonded(double mu) {
   return mu > DBL_MAX;
 }
 
-/* Returns the first candidate with infinite friction, -1 if there is none. */
+/* Returns the first contact with infinite friction, -1 if there is none. */
 int dlsi_first_bonded(const dls_contact *problem);
 
-/* Answers DLS_E_UNSUPPORTED if there is one, for methods whose form of the law needs mu itself. */
+/* Returns DLS_E_UNSUPPORTED if there is one, for methods whose form of the law needs mu itself. */
 dls_status dlsi_refuse_bonded(const dls_contact *problem, dls_error *error);
 
 /* Returns the bound mu r_n of |r_t| for r_n >= 0: 0 for r_n = 0, whatever the friction. */
@@ -185,36 +184,36 @@ dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 /* Sets the limits to their defaults. */
 void dlsi_limits_init(dls_limits *limits);
 
-/* Returns the limit of iterations that holds for a method whose own limit is `own`. */
+/* Returns the limit of iterations of a method whose own limit is `own`. */
 static inline int dlsi_most_iterations(const dls_limits *limits, int own) {
   return limits->max_iterations ? limits->max_iterations : own;
 }
 
 dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error);
 
-/* Returns the CPU seconds of this thread as a solve begins; -1, and no clock is read, where limits
- * have neither a time limit nor a callback, or cpu_seconds = dlsi_no_clock. */
+/* Returns the CPU seconds of this thread at the start of a solve. Reads no clock and returns -1 if
+ * limits have neither a time limit nor a callback, or cpu_seconds = dlsi_no_clock. */
 double dlsi_clock_start(const dls_limits *limits);
 
-/* Is the cpu_seconds of a solve inside of another one, which keeps the time itself. */
+/* The cpu_seconds of an inner solve: the outer solve keeps the time. */
 static const double dlsi_no_clock = -1;
 
-/* Returns the CPU seconds since a solve began; 0, and no clock is read, for begun = -1. */
+/* Returns the CPU seconds since a solve began. Reads no clock and returns 0 for begun = -1. */
 double dlsi_clock_since(double begun);
 
 /* Returns 1 if the time of a solve that began at `begun` is over. */
 int dlsi_clock_is_over(const dls_limits *limits, double begun);
 
-/* Returns the cpu_seconds for a solve inside of one that began at `begun`. */
+/* Returns the cpu_seconds for an inner solve of one that began at `begun`. */
 double dlsi_clock_left(const dls_limits *limits, double begun);
 
-/* Calls the caller's callback with progress, cpu_seconds set here, and looks at the time limit.
+/* Calls the caller's callback with progress, after setting cpu_seconds, and checks the time limit.
  * Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
 dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress);
 
-/* Lets the host watch a long piece of work that is no solve, and cancel it. */
+/* Lets the host watch and cancel a long piece of work other than a solve. */
 typedef struct dlsi_watch {
-  dls_limits limits; /* the callback alone */
+  dls_limits limits; /* only the callback */
   double begun;
   const char *method, *stage;
   int done, all; /* pieces of the stage; all = 0: not known */
@@ -222,12 +221,12 @@ typedef struct dlsi_watch {
   int is_cancelled;
 } dlsi_watch;
 
-/* Begins a stage of `all` pieces and calls the host. Returns DLS_OK, or DLS_CANCELLED for good.
+/* Starts a stage of `all` pieces and calls the host. Returns DLS_OK, or DLS_CANCELLED from then on.
  * watch = NULL or without a callback: nothing happens. */
 dls_status dlsi_watch_stage(dlsi_watch *watch, const char *stage, int all);
 
-/* Looks between two pieces: `done` pieces of the stage are done, after `flops` operations more.
- * Calls the host about every millisecond. Returns 1 if the work is cancelled. */
+/* Reports, between two pieces, that `done` pieces of the stage are done, after `flops` more
+ * operations. Calls the host about every millisecond. Returns 1 if the work is cancelled. */
 int dlsi_watch_stops(dlsi_watch *watch, int done, double flops);
 
 /* Makes the last call. */
@@ -247,12 +246,12 @@ typedef struct dlsi_setting {
 
 dls_status dlsi_check_each(int count, const dlsi_setting *setting, dls_error *error);
 
-/* Checks the settings of a method: that size, which their init function left in them, is the wanted
- * size of the struct; the limits; `count` numbers of the method's own. */
+/* Checks the settings of a method: size, set by their init function, is the wanted size of the
+ * struct; the limits; `count` numbers of the method's own. */
 dls_status dlsi_check_settings(const dls_limits *limits, size_t size, size_t wanted, int count,
                                const dlsi_setting *own, dls_error *error);
 
-/* Checks that r is there and, for a warm start, finite. */
+/* Checks that r is not NULL and, for a warm start, finite. */
 dls_status dlsi_check_start(const dls_contact *problem, const double *r, const double *u,
                             int warm_start, dls_error *error);
 
@@ -261,44 +260,43 @@ dls_status dlsi_check_apart(const dls_contact *problem, const double *r, const d
                             dls_error *error);
 
 /* Checks the arguments of a solve: a sound problem of the workspace's dimension d with at most its
- * nc candidates, and the start r. */
+ * nc contacts, and the start r. */
 dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
                             const double *u, int warm_start, dls_error *error);
 
 /* The largest number of rigid-body modes that a model may have. */
 enum { dlsi_most_modes = 24 };
 
-/* Returns the number of candidates of a model, active or not. */
+/* Returns the number of contacts of a model, active or not. */
 int dlsi_model_candidates(const dls_model *model);
 
-/* Returns 1 if the problem has no candidate: then it is solved, *info (or NULL) says so, and the
- * progress callback has been called once, under `name`. */
+/* Returns 1 if the problem has no contact. It is then solved: fills *info (or NULL), and calls the
+ * progress callback once, under `name`. */
 int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_method method,
                   const char *name, dls_info *info);
 
 /* ---- threads --------------------------------------------------------------------------------- */
 
-/* Lock and unlock what is not re-entrant in MUMPS, METIS and HDF5: one call of such a library
- * stands between both, never a callback of the host. */
+/* Lock and unlock the parts of MUMPS, METIS and HDF5 that are not re-entrant. Put one call of such
+ * a library between both, never a callback of the host. */
 void dlsi_lock(void);
 void dlsi_unlock(void);
 
-/* Begin and end a call that changes the object with this flag, so that a call on it from inside of
- * its own callback, or from another thread, finds it busy and is refused: DLS_E_BUSY, naming
- * `argument`, and the object goes on undisturbed. dlsi_leave, after DLS_OK of dlsi_enter alone,
- * returns status. */
+/* Begin and end a call that changes the object with this flag. A call on it from inside its own
+ * callback, or from another thread, is refused: DLS_E_BUSY, naming `argument`. dlsi_leave returns
+ * status; call it only after DLS_OK of dlsi_enter. */
 dls_status dlsi_enter(atomic_int *busy, const char *argument, dls_error *error);
 dls_status dlsi_leave(atomic_int *busy, dls_status status);
 
 /* Threads that help the caller with tasks; NULL: none. */
 typedef struct dlsi_team dlsi_team;
 
-/* Runs body(team, data) in this thread, with up to threads - 1 helpers where the compiler has
- * OpenMP; team is NULL for threads < 2 or without it. */
+/* Runs body(team, data) in this thread, with up to threads - 1 helpers if the compiler has OpenMP;
+ * team is NULL for threads < 2 or without OpenMP. */
 void dlsi_team_run(int threads, void (*body)(dlsi_team *team, void *data), void *data);
 
-/* Runs task(data, k) for k = 0 .. tasks-1, in any order and at the same time. Tasks write to memory
- * of their own, so that their bits do not depend on the threads. */
+/* Runs task(data, k) for k = 0 .. tasks-1, in any order and at the same time. Tasks write to
+ * separate memory, so that their bits do not depend on the threads. */
 typedef void dlsi_task(void *data, int k);
 void dlsi_parallel(dlsi_team *team, int tasks, dlsi_task *task, void *data);
 
@@ -306,8 +304,8 @@ enum { dlsi_most_threads = 1024 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* A workspace in one piece of memory. A carve function is a sequence of takes; run it twice: on {0}
- * to count bytes, then, after dlsi_arena_allocate, on memory. Every piece begins a multiple of 64
+/* A workspace in one piece of memory. A carve function is a sequence of takes. Run it twice: on {0}
+ * to count bytes, then, after dlsi_arena_allocate, on memory. Every piece starts a multiple of 64
  * bytes after base. An overflow of size_t, or a take past the end, makes this take and all later
  * ones fail. */
 typedef struct dlsi_arena {
@@ -322,13 +320,13 @@ typedef struct dlsi_arena {
 void *dlsi_take(dlsi_arena *arena, size_t count, size_t size);
 
 /* Ends the counting run: allocates arena->base, which the caller frees, and rewinds, so that the
- * takes run again. Where the sizes overflowed, DLS_E_SIZE blames `argument` with its value;
+ * takes run again. If the sizes overflowed, DLS_E_SIZE names `argument` with its value;
  * DLS_E_MEMORY. */
 dls_status dlsi_arena_allocate(dlsi_arena *arena, const char *argument, long long value,
                                dls_error *error);
 
-/* Both runs: allocates a workspace in one piece of memory, which free() takes back: *out := a copy
- * of `filled` (size bytes), whose arrays carve has taken from the arena. carve is called twice,
+/* Both runs: allocates a workspace in one piece of memory, which free() releases: *out := a copy of
+ * `filled` (size bytes), with arrays that carve has taken from the arena. carve is called twice,
  * first on `filled`, to count. Errors as above. */
 typedef void dlsi_carve(void *work, dlsi_arena *arena);
 dls_status dlsi_carve_workspace(void **out, void *filled, size_t size, dlsi_carve *carve,
@@ -348,10 +346,10 @@ double dlsi_norm2(const double *x, size_t n);
 #define DLSI_GOLDEN_BITS 0x9e3779b97f4a7c15u
 uint64_t dlsi_mix(uint64_t x);
 
-/* Returns the number in [0, 1) that x draws, by dlsi_mix. */
+/* Returns the number in [0, 1) drawn by x, by dlsi_mix. */
 double dlsi_draw(uint64_t x);
 
-/* Returns the number in [0, 1) that entry i >= 0 of sequence k >= 0 draws. */
+/* Returns the number in [0, 1) drawn by entry i >= 0 of sequence k >= 0. */
 double dlsi_draw_entry(int k, int i);
 
 /* Returns 1 if the plain sum of squares `sum` has neither over- nor underflown, so that sqrt(sum)
@@ -365,31 +363,30 @@ double dlsi_max_abs(const double *x, size_t n);
 
 /* ---- rigid bodies (bodies.c) ----------------------------------------------------------------- */
 
-/* A copy of a problem of bodies with scratch, and perhaps with W by blocks besides: products and
- * the certificate are those of the factors then, the blocks serve what walks over W. Zero at first;
- * the memory stays from one problem to the next. */
+/* A copy of a problem of bodies with scratch, and perhaps also with W by blocks: products and the
+ * certificate use the factors, methods that need entries of W the blocks. Zero at first; the memory
+ * stays from one problem to the next. */
 typedef struct dlsi_formed {
   dls_contact problem;
   double *work, *x;  /* bodies.work; Wb.x */
-  int *p, *i, *list; /* Wb.p; Wb.i; the candidates of each body: starts, then these */
+  int *p, *i, *list; /* Wb.p; Wb.i; the contacts of each body: starts, then contacts */
   size_t work_room, x_room, p_room, i_room, list_room;
 } dlsi_formed;
 
-/* Turn *problem, one of bodies, into a copy with scratch (lend) and with W by blocks (form), the
- * memory in *formed; of another storage nothing is done. dlsi_form_blocks checks a problem of
- * bodies first.
- * DLS_E_MEMORY; DLS_E_SIZE for too many blocks. */
+/* Turn *problem, a problem of bodies, into a copy with scratch (lend), and with W by blocks (form).
+ * Its memory is in *formed. Other storage stays unchanged. dlsi_form_blocks checks a problem of
+ * bodies first. DLS_E_MEMORY; DLS_E_SIZE for too many blocks. */
 dls_status dlsi_lend(dlsi_formed *formed, const dls_contact **problem, dls_error *error);
 dls_status dlsi_form_blocks(dlsi_formed *formed, const dls_contact **problem, dls_error *error);
 void dlsi_formed_free(dlsi_formed *formed);
 
-/* Returns 1 if W is there as H^T H alone. */
+/* Returns 1 if W is only there as H^T H. */
 static inline int dlsi_is_factored(const dls_contact *problem) {
   return problem->bodies.H && !problem->Wb.x;
 }
 
-/* Returns `held` if it has room for `count` entries, else a new array of them, and held is gone
- * with its contents; NULL without memory, and held stays. room: of held. */
+/* Returns `held` if it has room for `count` entries. Else returns a new array of them and frees
+ * held; NULL without memory, and held stays. room: of held. */
 void *dlsi_make_room(void *held, size_t *room, size_t count, size_t size);
 
 /* Computes u := W r + q (q NULL for 0) and, if a is not NULL, a := |H|^T |H| |r|; bodies.work := H
@@ -397,10 +394,10 @@ void *dlsi_make_room(void *held, size_t *room, size_t count, size_t size);
 void dlsi_bodies_multiply(const dls_contact *problem, const int *order, const double *q,
                           const double *r, double *u, double *a);
 
-/* Copies the d x d diagonal block of candidate c. */
+/* Copies the d x d diagonal block of contact c. */
 void dlsi_bodies_diagonal(const dls_contact *problem, int c, double *block);
 
-/* The two bodies of candidate c: their numbers, H and motions v; NULL for a fixed one. */
+/* The two bodies of contact c: their numbers, H and motions v; NULL for a fixed body. */
 typedef struct dlsi_pair_of_bodies {
   const double *H[2];
   double *v[2];
@@ -421,7 +418,7 @@ static inline dlsi_pair_of_bodies dlsi_bodies_of(const dls_bodies *B, size_t siz
 /* Two motions of a body. */
 typedef double dlsi_two __attribute__((vector_size(16), aligned(8), may_alias));
 
-/* Returns h . v, n = 3 or 6 known where it inlines. */
+/* Returns h . v; n = 3 or 6, a constant when inlined. */
 static DLSI_INLINE double dlsi_motion_dot(const int n, const double *h, const double *v) {
   const dlsi_two *a = (const dlsi_two *)h, *b = (const dlsi_two *)v;
   dlsi_two s = a[0] * b[0];
@@ -459,13 +456,13 @@ static DLSI_INLINE void dlsi_bodies_push(const int d, const int n, const dlsi_pa
   }
 }
 
-/* u := q + H^T v for the candidates first .. end-1, v = bodies.work. */
+/* u := q + H^T v for the contacts first .. end-1, v = bodies.work. */
 void dlsi_bodies_unfold(const dls_contact *problem, int first, int end, double *u);
 
 /* ---- the contact problem --------------------------------------------------------------------- */
 
-/* One block column of W, dense or by blocks, to walk block by block: for k = begin .. end-1 the
- * block in block row dlsi_row(&column, k) has its entry (i, j) at block[i + ld j], block = x + k
+/* One block column of W, dense or by blocks, for a loop over its blocks: for k = begin .. end-1 the
+ * block in block row dlsi_row(&column, k) has entry (i, j) at block[i + ld j], block = x + k
  * step. */
 typedef struct dlsi_block_column {
   size_t begin, end;
@@ -485,30 +482,30 @@ static inline size_t dlsi_row(const dlsi_block_column *column, size_t k) {
   return column->row ? (size_t)column->row[k] : k;
 }
 
-/* Copies the d x d diagonal block of candidate c, column-major; zeros where a block-sparse W has
+/* Copies the d x d diagonal block of contact c, column-major; zeros if a block-sparse W has
  * none. */
 void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
 
-/* Adds W(:,c) dr to u for the d columns of candidate c. */
+/* Adds W(:,c) dr to u for the d columns of contact c. */
 void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u);
 
-/* Adds W(:,c) dr to u for the d columns of candidate c, W by blocks. */
+/* Adds W(:,c) dr to u for the d columns of contact c, W by blocks. */
 void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u);
 
 /* Adds W(:,c[k]) dr[d k..] to u for k = 0 .. count-1, one after the other, W dense. */
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             double *u);
 
-/* The same, and adds |W(:,c[k])| |dr[d k..]| to a. */
+/* As dlsi_contact_add_panel; also adds |W(:,c[k])| |dr[d k..]| to a. */
 void dlsi_contact_add_both(const dls_contact *problem, int count, const int *c, const double *dr,
                            double *u, double *a);
 
 /* y := W x, without q. */
 void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y);
 
-/* Computes u := W r + q and, if a is not NULL, a := |W| |r|, column after column of the candidates
- * in `order`, on which the rounding depends. order: candidates, nc; NULL for 0, 1, .. Of bodies a
- * is |H|^T |H| |r|, relative to which H^T (H r) rounds, and bodies.work := H r. */
+/* Computes u := W r + q and, if a is not NULL, a := |W| |r|, column after column of the contacts in
+ * `order`, which determines the rounding. order: contacts, nc; NULL for 0, 1, .. For bodies a is
+ * |H|^T |H| |r|, the scale of the rounding of H^T (H r), and bodies.work := H r. */
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a);
 
@@ -516,17 +513,17 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
 void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
 void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
 
-/* Computes one compliance a contact, the unit in which methods take their steps: trace(W_cc) / d;
- * where that is not positive, the mean of the positive ones; if none is positive, the largest
- * |entry| of the diagonal blocks, or 1 if all of them are 0. w: nc. */
+/* Computes one compliance per contact, the unit of the steps of methods: trace(W_cc) / d. If that
+ * is not positive: the mean of the positive ones; if none is positive, the largest |entry| of the
+ * diagonal blocks; 1 if all of them are 0. w: nc. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
 
 /* Computes the weights of the certificate: problem->weights, or W_nn and trace(W_tt) / (d-1) of the
- * diagonal block; a weight that is not positive is completed as above from those of its kind, and
- * a kind without any from the other one. w: 2 nc. */
+ * diagonal block. A weight that is not positive is completed as above from those of its kind
+ * (normal or tangential), and a kind without any from the other kind. w: 2 nc. */
 void dlsi_certificate_weights(const dls_contact *problem, double *w);
 
-/* Computes both in one go. w: nc, weights: 2 nc. */
+/* Computes both in one pass. w: nc, weights: 2 nc. */
 void dlsi_both_weights(const dls_contact *problem, double *w, double *weights);
 
 /* Fills *subset as dls_contact_subset does, from arguments that have been checked; count > 0. */
@@ -539,7 +536,7 @@ static inline double dlsi_block_weight(int d, const double *block) {
   return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
 }
 
-/* Returns |v_t|. hypot costs ten times the square root and is needed only where squares over- or
+/* Returns |v_t|. hypot costs ten times the square root and is needed only if squares over- or
  * underflow. */
 static inline double dlsi_tangent_norm(int d, const double *v) {
   if (d == 1) return 0;
@@ -579,7 +576,7 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
 }
 
 /* Computes the reactions r (d nc) that the law gives for v (d nc): r_n = max(v_n, 0), r_t = v_t put
- * on the disc |.| <= mu r_n. The projection on C_mu changes r_n, too. */
+ * on the disc |.| <= mu r_n. Unlike this, the projection on C_mu also changes r_n. */
 void dlsi_put_on_discs(int d, int nc, const double *mu, const double *v, double *r);
 
 /* Computes F_c of the certificate, a position, for one contact of the weights w_n = w[0] and w_t =
@@ -589,7 +586,7 @@ void dlsi_put_on_discs(int d, int nc, const double *mu, const double *v, double 
  *   stick  F = u                                      where |v_t| <= R
  *   slip   F_n = u_n, F_t = D r_t - R v_t / |v_t|     else
  *
- * An infinite friction sticks where v_n > 0, and is free else. */
+ * An infinite friction sticks where v_n > 0, else it is free. */
 static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const double *w,
                                                     const double *r, const double *u, double *F) {
   double v[3] = {0}, Dr[3] = {0};
@@ -613,8 +610,8 @@ static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const doub
   return DLS_SLIP;
 }
 
-/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a
- * floor of NaN, which none meets. */
+/* Returns the residual that a certificate with this rounding level has to meet: max(tol, 4 floor),
+ * NaN for a floor of NaN, which no residual meets. */
 static inline double dlsi_target(double tol, double floor) {
   return 4 * floor <= tol ? tol : 4 * floor;
 }
@@ -630,29 +627,29 @@ static inline int dlsi_certificate_meets(const dls_certificate *c, double tol) {
 int dlsi_certificate_holds(const dls_certificate *certificate, double tol);
 dls_status dlsi_certificate_verdict(const dls_certificate *certificate, double tol);
 
-/* Returns the target of the part that `residual` is. */
+/* Returns the target of the part of the certificate that `residual` is. */
 static inline double dlsi_certificate_target(const dls_certificate *c, double tol) {
   return dlsi_target(tol, c->residual_r > c->residual_u ? c->floor_r : c->floor_u);
 }
 
-/* Returns the status of a solve that has ended with `reason` and the answer of this certificate:
- * its verdict, if it is one and the end was the method's own; else the reason, DLS_STALLED in place
- * of a DLS_OK or DLS_TO_ROUNDING that does not hold. */
+/* Returns the status of a solve that has ended with `reason` and the answer of this certificate.
+ * That is the verdict of the certificate, if it has one and the method ended by itself; else the
+ * reason, but DLS_STALLED for a DLS_OK or DLS_TO_ROUNDING that does not hold. */
 dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason);
 
 /* Sets the three residuals. force: |D^-1/2 F'|; r: |r|. */
 void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r);
 
-/* What the laws of contact and friction are measured by, m entries unless said otherwise. */
+/* Data for measuring the laws of contact and friction, m entries unless said otherwise. */
 typedef struct dlsi_laws {
   int d, nc;
   const double *mu;     /* nc */
   const double *r, *u;  /* reactions; positions */
   const double *w;      /* weights: 2 nc */
-  const double *a, *b;  /* a + |b| is the size of the numbers that u is the sum of; b: NULL for 0 */
+  const double *a, *b;  /* a + |b| is the size of the terms in the sum u; b: NULL for 0 */
   const double *scale;  /* residual_u is relative to its norm over the contacts that touch */
   double *F;            /* receives F */
-  const double *hidden; /* an F_c of entries up to these is rounding, and 0; NULL: none is */
+  const double *hidden; /* an F_c with entries up to these is rounding, taken as 0; or NULL */
 } dlsi_laws;
 
 /* Fills the residuals, floors and laws of the certificate; equilibrium 0, body -1. */

@@ -1,12 +1,12 @@
 /*
  * bodies.c: W = H^T H of rigid bodies, kept factored: products, W by blocks on demand.
  *
- *   v_b = sum over the candidates c of body b of  H_cb r_c        motions, n per body
- *   u_c = q_c + sum over the bodies b of candidate c of  H_cb^T v_b
+ *   v_b = sum over the contacts c of body b of  H_cb r_c        motions, n per body
+ *   u_c = q_c + sum over the bodies b of contact c of  H_cb^T v_b
  *   W_ck = sum over the bodies b that c and k share of  H_cb^T H_kb
  *
- * A product costs 4 n d operations a candidate, whatever the number of its neighbours. Fails: for
- * want of memory; where W would have too many blocks, as under a body that all others touch.
+ * A product costs 4 n d operations per contact, however many neighbours it has. Fails: no memory; W
+ * with too many blocks, as for a body that all others touch.
  */
 #include <limits.h>
 #include <math.h>
@@ -21,7 +21,7 @@ static size_t bodies_size(const dls_contact *problem) {
   return (size_t)problem->bodies.n * (size_t)problem->d;
 }
 
-/* Calls CALL(d, n) with constants, so that the compiler knows them where it inlines. */
+/* Calls CALL(d, n) with constants, which the compiler knows when it inlines. */
 #define BY_SIZE(CALL)                                                                              \
   if (problem->d == 1 && problem->bodies.n == 3)                                                   \
     CALL(1, 3);                                                                                    \
@@ -58,7 +58,7 @@ static DLSI_INLINE void bodies_spread(const int d, const int n, const dls_contac
   }
 }
 
-/* Adds |H| |r| to v and |H|^T v to a: where W is not formed, the rounding is that of both. */
+/* Adds |H| |r| to v and |H|^T v to a: a product without W rounds in both H and H^T. */
 static DLSI_INLINE void bodies_magnitudes(const size_t d, const size_t n,
                                           const dls_contact *problem, const double *r, double *v,
                                           double *a) {
@@ -165,10 +165,10 @@ static dls_status bodies_list(dlsi_formed *formed, const dls_contact *problem, d
   return DLS_OK;
 }
 
-/* The blocks of one column in the order of their rows: both bodies' candidates merged. */
+/* The blocks of one column in the order of their rows: the contacts of both bodies merged. */
 typedef struct bodies_column {
-  const int *next[2], *end[2]; /* among body[], of either body */
-  size_t own[2];               /* the candidate's own places */
+  const int *next[2], *end[2]; /* among body[], of each body */
+  size_t own[2];               /* the places of the contact itself */
 } bodies_column;
 
 static bodies_column bodies_begin(const dlsi_formed *formed, const dls_contact *problem, int c) {
@@ -206,7 +206,7 @@ static int bodies_next(const dls_contact *problem, bodies_column *column, double
 
 static dls_status bodies_count(const dlsi_formed *formed, const dls_contact *problem, int *count,
                                dls_error *error) {
-  size_t found = 0, least = 0; /* blocks: a body couples all of its candidates */
+  size_t found = 0, least = 0; /* blocks: a body couples all of its contacts */
   for (int b = 0; b < problem->bodies.count; b++) {
     const size_t of = (size_t)(formed->list[b + 1] - formed->list[b]);
     if (of * of > least) least = of * of;

@@ -5,21 +5,19 @@
  *   (BO2)  residual_r = |D^-1/2 F'| / |r|, as contact.h
  *   (BO3)  equilibrium: the forces that do not balance, and joints     equilibrium.c
  *
- * The sums are over the contacts that touch (src/base/contact.c). (BO1) is measured against the
- * displacements that there are: |H^T K^-1 f|, the scale of the problem on W, is larger than the
- * body where soft
- * springs hold it. D r, the local indentation, keeps the scale above rounding where everything
- * sticks.
+ * The sums are over the contacts that touch (src/base/contact.c). (BO1) is relative to the actual
+ * displacements: |H^T K^-1 f|, the scale of the problem on W, is larger than the body if soft
+ * springs hold it. D r, the local indentation, keeps the scale above rounding if everything sticks.
  *
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e                                                     equilibrium.c
  *
  *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
- *          |H||r| in the body: where loads balance without the contacts, reactions are rounding,
- *          and so is what they lack. That of one unknown is felt in all of the body
+ *          |H||r| in the body: if loads balance without the contacts, reactions are rounding, and
+ *          so is their error. The rounding of one unknown affects the whole body
  *
- * The weights are local: the compliance of the whole body, on soft supports, holds the motion of
- * all of it. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
+ * The weights are local: the compliance of the whole body on soft supports would contain the motion
+ * of the body. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
  */
 #include "base/body.h"
 
@@ -122,8 +120,8 @@ static int block_compliance(contact_block *b, int d, double *C) {
   return 1;
 }
 
-/* Sets w_n and w_t of a contact from C; returns 1 if both are positive numbers. tangents: 0 where
- * the contact has none. */
+/* Sets w_n and w_t of a contact from C; returns 1 if both are positive numbers. tangents: 0 if the
+ * contact has none. */
 static int weights_from(const double *C, int d, int tangents, double *w) {
   double sum = 0;
   for (int i = 1; i < d; i++)
@@ -133,7 +131,7 @@ static int weights_from(const double *C, int d, int tangents, double *w) {
   return w[0] > 0 && w[1] > 0 && w[0] <= DBL_MAX && w[1] <= DBL_MAX;
 }
 
-/* Puts the mean of the positive weights of a kind, or 1, where a weight is not positive. */
+/* Replaces weights that are not positive by the mean of the positive ones of their kind, or 1. */
 static void weights_complete(double *w, size_t nc) {
   for (size_t kind = 0; kind < 2; kind++) {
     double sum = 0, count = 0;

@@ -16,9 +16,9 @@ typedef struct dlsi_body {
   const dls_model
       *model; /* K: DLS_STIFFNESS_DENSE or _SPARSE, as dls_model_check takes it; NULL: see multiply
                */
-  void (*multiply)(void *data, const double *x, double *y, double *a); /* dlsi_body_multiply of a K
-                             that is elsewhere, in the place of model. Where both are NULL, K is not
-                             known, and equilibrium is not measured */
+  void (*multiply)(void *data, const double *x, double *y, double *a); /* dlsi_body_multiply for a K
+                             that is elsewhere, instead of model. If both are NULL, K is not known,
+                             and equilibrium is not measured */
   void *data;
   dls_sparse Ht; /* H^T: m x n */
   int d, nc;
@@ -29,8 +29,8 @@ typedef struct dlsi_body {
   int parts, pieces;
 } dlsi_body;
 
-/* Finds entry *at = 0, 1, .. of column j that counts: of a symmetric K those of the lower triangle.
- * Sets *at to the next one; returns 0 past the last one. */
+/* Finds entry *at = 0, 1, .. of column j that counts: all, or those of the lower triangle of a
+ * symmetric K. Sets *at to the next entry; returns 0 past the last. */
 int dlsi_body_entry(const dls_model *model, int j, int *at, int *row, double *value);
 
 /* Computes y := K x and, if a is not NULL, a := |K||x|. x, y, a: n, apart. */
@@ -41,24 +41,24 @@ void dlsi_body_multiply(const dls_model *model, const double *x, double *y, doub
  * there are. */
 int dlsi_body_parts(const dls_model *model, int *part);
 
-/* dlsi_body_parts step by step. From part[i] = i: join puts i and j, of one body, together; number
- * turns `part` into numbers and returns how many there are. */
+/* dlsi_body_parts step by step. From part[i] = i: join connects i and j of one body; number turns
+ * `part` into numbers and returns how many there are. */
 void dlsi_body_join(int *part, int i, int j);
 int dlsi_body_number(int n, int *part);
 
-/* Finds the multipliers among the unknowns (joints.c): joint[i] := 1 where row i of K x = f + H r
- * is a joint, a length (velocity), 0 where it is an equilibrium. Ht: m x n; NULL: not known. joint:
- * n. Returns how many there are. */
+/* Finds the multipliers among the unknowns (joints.c): joint[i] := 1 if row i of K x = f + H r is a
+ * joint, a length (velocity), 0 if it is an equilibrium. Ht: m x n; NULL: not known. joint: n.
+ * Returns how many there are. */
 int dlsi_body_joints(const dls_model *model, const dls_sparse *Ht, int *joint);
 
-/* Finds the connected bodies as they are without joints. piece: receives the number of each
- * unknown, -1 of a multiplier, n. Returns how many there are. */
+/* Finds the connected bodies without their joints. piece: receives the number of each unknown, -1
+ * for a multiplier, n. Returns how many there are. */
 int dlsi_body_pieces(const dls_model *model, const int *joint, int *piece);
 
 /* Computes the weights: the compliance of the contact with its neighbours held. J: the unknowns
  * that H_c touches; C = H_c^T K[J,J]^-1 H_c; w_n = C_nn, w_t = trace(C_tt) / (d-1). If J has more
- * than 24 unknowns, or C is not positive, the diagonal of K stands for K[J,J]; then the mean of the
- * positive weights of its kind; then 1. w_t = w_n where there are no tangents. H: n x m. w: 2 nc.
+ * than 24 unknowns, or C is not positive, the diagonal of K replaces K[J,J]; then the mean of the
+ * positive weights of its kind; then 1. w_t = w_n if there are no tangents. H: n x m. w: 2 nc.
  * DLS_E_MEMORY. */
 dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d, double *w,
                              dls_error *error);
@@ -67,14 +67,14 @@ dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d,
 
 /* Arrays of the measure of equilibrium, n unless said otherwise. */
 typedef struct dlsi_forces {
-  double *e, *ae; /* K x - f - H r and what rounds in it */
+  double *e, *ae; /* K x - f - H r and the size of its terms */
   double *Hr;
   double *pull;  /* joints: minus the forces of joints on positions */
-  double *reach; /* joints: K_jj, then the lengths that there are at positions and in joints */
+  double *reach; /* joints: K_jj, then the lengths at positions and in joints */
   double *sums;  /* 10 for each piece and each part: largest numbers, then sums of squares */
 } dlsi_forces;
 
-/* Returns the doubles of the arrays; lays them into work. */
+/* Returns the doubles of the arrays; places them in work. */
 size_t dlsi_forces_scratch(const dlsi_body *body);
 dlsi_forces dlsi_forces_in(const dlsi_body *body, double *work);
 
@@ -97,7 +97,7 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
                        const double *r, const double *x, double *u, double *work,
                        dls_certificate *certificate);
 
-/* Returns the measure by which the better one of two pairs is found: the largest of the parts and
+/* Returns the measure by which pairs are compared, smaller is better: the largest of the parts and
  * of 4 times their floors; NaN stays NaN. */
 double dlsi_body_badness(const dls_certificate *certificate);
 

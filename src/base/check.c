@@ -1,5 +1,5 @@
-/* check.c: checks what a public function is given, in O(nnz), naming the argument and the index at
- * fault. */
+/* check.c: checks the arguments of public functions, in O(nnz), naming the wrong argument and
+ * index. */
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -130,8 +130,8 @@ static dls_status check_Wb(const dls_contact *problem, dls_error *error) {
   return check_columns(names, B->p, B->i, B->x, B->d * B->d, B->n, B->n, error);
 }
 
-/* Checks the bodies of a candidate and its blocks of H, whose squares may not overflow: no entry of
- * W does then. */
+/* Checks the bodies of a contact and its blocks of H. Their squares may not overflow: then no entry
+ * of W does. */
 static dls_status check_bodies_of(const dls_contact *problem, size_t c, dls_error *error) {
   const dls_bodies *B = &problem->bodies;
   const size_t size = (size_t)B->n * (size_t)problem->d;

@@ -69,7 +69,7 @@ dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which,
     A->i[A->p[j]] = t->row[k];
     A->x[A->p[j]++] = t->x[k];
   }
-  for (int j = cols; j > 0; j--) /* each p[j] stands at the end of its column now */
+  for (int j = cols; j > 0; j--) /* each p[j] is at the end of its column now */
     A->p[j] = A->p[j - 1];
   A->p[0] = 0;
   return DLS_OK;

@@ -18,11 +18,11 @@ typedef struct dlsi_triplets {
   double *x;
 } dlsi_triplets;
 
-/* A part of the columns of a matrix whose columns are local directions (n, t[, s], n, ...). */
+/* A part of the columns of a matrix, where columns are local directions (n, t[, s], n, ...). */
 typedef enum dlsi_part { DLSI_ALL, DLSI_NORMALS, DLSI_TANGENTS } dlsi_part;
 
-/* Room for `most` triplets, of which there are none yet. Free t after a failure, too. DLS_E_MEMORY;
- * DLS_E_SIZE if they are more than INT_MAX. */
+/* Allocates `most` triplets, none filled. Free t after a failure, too. DLS_E_MEMORY; DLS_E_SIZE if
+ * there are more than INT_MAX. */
 dls_status dlsi_triplets_alloc(int rows, int cols, size_t most, dlsi_triplets *t, dls_error *error);
 
 static inline void dlsi_triplets_add(dlsi_triplets *t, int row, int col, double x) {

@@ -72,7 +72,7 @@ static inline double dlsi_cone_step(int d, const double *x, const double *dx) {
   return a;
 }
 
-/* Sets eta and w of P for x and z. Returns 0 where they are not inside of the cone. */
+/* Sets eta and w of P for x and z. Returns 0 if they are not inside of the cone. */
 static inline int dlsi_cone_between(int d, const double *x, const double *z, double *eta,
                                     double *w) {
   const double dx = dlsi_cone_det(d, x), dz = dlsi_cone_det(d, z);
@@ -89,8 +89,8 @@ static inline int dlsi_cone_between(int d, const double *x, const double *z, dou
   return 1;
 }
 
-/* rc := target (1, 0) - lambda o lambda, and with ax and az, a direction of x and of z, not NULL:
- * minus (P ax) o (P^-1 az): the right side of a step to x o z = target, of nc contacts; eta: nc. */
+/* rc := target (1, 0) - lambda o lambda; with directions ax of x and az of z, not NULL, minus (P
+ * ax) o (P^-1 az): the right side of a step to x o z = target, of nc contacts; eta: nc. */
 static inline void dlsi_cone_target(int d, int nc, const double *eta, const double *w,
                                     const double *lambda, double target, const double *ax,
                                     const double *az, double *rc) {

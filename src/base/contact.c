@@ -1,5 +1,5 @@
 /*
- * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
+ * contact.c: the contact problem u = W r + q and its certificate, the same for every method.
  *
  *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t / w_n) max(0, v_n)
  *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R
@@ -7,8 +7,8 @@
  *
  * F = 0 if and only if every contact meets the contact and friction laws (Alart and Curnier,
  * Comput. Methods Appl. Mech. Eng. 92, 1991, 353-375, (19)). The weights measure normals and
- * tangents by compliances of their own; in r' = D^1/2 r, u' = D^-1/2 u the friction is
- * mu (w_t / w_n)^1/2 and the disc as round as before.
+ * tangents by separate compliances. In r' = D^1/2 r, u' = D^-1/2 u the friction is
+ * mu (w_t / w_n)^1/2 and the disc stays round.
  */
 #include <float.h>
 #include <math.h>
@@ -20,8 +20,8 @@
 
 /* ---- W, dense or by blocks ------------------------------------------------------------------- */
 
-/* Sums the blocks of column c that stand in row c, W by blocks. n = d d is a parameter of its own,
- * so that the compiler knows it where it inlines. block: the sum, n. */
+/* Sums the blocks of column c in row c, W by blocks. n = d d is a parameter, so that the compiler
+ * knows it when it inlines. block: the sum, n. */
 static inline void sum_diagonal(size_t n, const dls_blocks *B, int c, double *block) {
   for (size_t e = 0; e < n; e++)
     block[e] = 0;
@@ -60,9 +60,9 @@ static void multiply_panel(const dls_contact *problem, int count, const int *c, 
     dlsi_contact_add_panel(problem, count, c, dr, u);
 }
 
-/* Adds W r to u and, if a is not NULL, |W| |r| to a, W dense: gathers up to at_once candidates that
+/* Adds W r to u and, if a is not NULL, |W| |r| to a, W dense: gathers up to at_once contacts that
  * carry a reaction, so that dlsi_contact_add_panel reads W at the speed of the memory. Skips
- * reactions of 0, which add nothing because W is finite. */
+ * reactions of 0, which add nothing as W is finite. */
 static void multiply_dense(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a) {
   enum { at_once = 16 };
@@ -100,7 +100,7 @@ static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  if (m == 0) return; /* q may be NULL, and bodies without scratch */
+  if (m == 0) return; /* q may be NULL, and bodies may have no scratch */
   if (problem->bodies.H) {
     dlsi_bodies_multiply(problem, order, problem->q, r, u, a);
     return;
@@ -147,7 +147,7 @@ int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_meth
 
 /* ---- blocks by component --------------------------------------------------------------------- */
 
-/* Rows or columns of a component: the first within a candidate, and how many of them. */
+/* Rows or columns of a component: the first within a contact, and their number. */
 typedef struct local_part {
   int first, count;
 } local_part;
@@ -237,7 +237,7 @@ void dlsi_put_on_discs(int d, int nc, const double *mu, const double *v, double 
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-/* Returns the compliance of the contacts whose own is not positive: the mean of the positive ones,
+/* Returns the compliance for contacts whose own is not positive: the mean of the positive ones,
  * else the largest entry of the diagonal blocks, else 1. w: so far, every step-th entry. */
 static double common_weight(const dls_contact *problem, const double *w, int step) {
   const int entries = problem->d * problem->d;
@@ -267,7 +267,7 @@ static int complete_weights(const dls_contact *problem, double *w, int step) {
   return positive;
 }
 
-/* Fills w and weights, of which one may be NULL. */
+/* Fills w and weights; one of them may be NULL. */
 static void weights_of(const dls_contact *problem, double *w, double *weights) {
   const int d = problem->d, nc = problem->nc;
   const int given = problem->weights && weights;
@@ -305,7 +305,7 @@ static void raise_to(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* Returns the size of the numbers that entry e of u is the sum of. */
+/* Returns the size of the terms in the sum u_e. */
 static inline double size_of_u(const dlsi_laws *of, size_t e) {
   return of->b ? of->a[e] + fabs(of->b[e]) : of->a[e];
 }
@@ -314,7 +314,7 @@ static inline double size_of_u(const dlsi_laws *of, size_t e) {
  * the contacts that are not free. */
 typedef struct measured_sums {
   double F, force;               /* D^1/2 F', D^-1/2 F' */
-  double rounded, rounded_force; /* what rounds in them */
+  double rounded, rounded_force; /* their sizes, for the rounding */
   double r, q, a;
   double any;  /* the sum of |F|: 0 where F is */
   int touches; /* contacts that are not free */
@@ -322,8 +322,8 @@ typedef struct measured_sums {
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
 
-/* Fills size (d) with what F_c of this state rounds relative to, a being the size of the numbers
- * that u is the sum of.
+/* Fills size (d) with the scale of the rounding of F_c in this state; a: size of the terms in the
+ * sum u.
  *
  *   stick  F = u                                      a
  *   slip   F_n = u_n                                  a_n
@@ -331,7 +331,7 @@ enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
  *                                                     w_t |r_t| |a_t| / |v_t| for the direction
  *   free   F = D r is as good as exact                0
  *
- * What sticks, and would slip with another rounding of v_n, has mu k (a_n + w_n r_n) more. */
+ * A contact that sticks, but would slip with another rounding of v_n, adds mu k (a_n + w_n r_n). */
 static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
                               double *size) {
   const size_t o = (size_t)d * (size_t)k;
@@ -373,7 +373,7 @@ static double entry_of(const dlsi_laws *of, int what, int k, int i) {
   return what == of_rounded ? size[i] : size[i] / w[i > 0];
 }
 
-/* Returns the root of `plain`, or the norm itself where the plain sum of squares over- or
+/* Returns the root of `plain`, or the norm itself if the plain sum of squares over- or
  * underflows. */
 static double norm_of(const dlsi_laws *of, const measured_sums *s, int what, double plain) {
   if (dlsi_is_plain(plain)) return sqrt(plain);
@@ -392,7 +392,7 @@ static double norm_of(const dlsi_laws *of, const measured_sums *s, int what, dou
   return largest * sqrt(sum);
 }
 
-/* Returns the candidate with the largest |F_c| where plain sums of squares over- or underflow. */
+/* Returns the contact with the largest |F_c| if plain sums of squares over- or underflow. */
 static int find_worst(const dlsi_laws *of) {
   const size_t d = (size_t)of->d;
   double worst = -1;
@@ -406,7 +406,7 @@ static int find_worst(const dlsi_laws *of) {
   return at;
 }
 
-/* Raises the fields for the reader by candidate k, whose magnitudes are at most `largest`. */
+/* Raises the fields for the reader by contact k, whose magnitudes are at most `largest`. */
 static inline void measure_laws(int d, const dlsi_laws *of, int k, double largest,
                                 dls_certificate *c) {
   const size_t o = (size_t)d * (size_t)k;
@@ -427,7 +427,7 @@ static inline void measure_laws(int d, const dlsi_laws *of, int k, double larges
     raise_to(&c->slip_direction, ut);
 }
 
-/* Sets the F of contact k to 0 where it is no more than what is hidden. */
+/* Sets the F of contact k to 0 if it is no more than `hidden`. */
 static inline void hide_rounding(int d, const dlsi_laws *of, size_t o) {
   for (int i = 0; i < d; i++)
     if (!(fabs(of->F[o + (size_t)i]) <= of->hidden[o + (size_t)i])) return;
@@ -435,8 +435,8 @@ static inline void hide_rounding(int d, const dlsi_laws *of, size_t o) {
     of->F[o + (size_t)i] = 0;
 }
 
-/* Computes F and the fields of c from penetration on. d is a parameter of its own, so that the
- * compiler knows it where it inlines. */
+/* Computes F and the fields of c from penetration on. d is a parameter, so that the compiler knows
+ * it when it inlines. */
 static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certificate *c) {
   measured_sums sums = {0};
   double worst = 0;
@@ -498,8 +498,8 @@ void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
   const double rounded_force = norm_of(of, &s, of_rounded_force, s.rounded_force);
   const double scale_u = q > 0 ? q : norm_of(of, &s, of_a, s.a),
                scale_r = force > size ? force : size;
-  /* nothing presses, though r is not 0: 1. Against a norm beyond the range of numbers everything
-   * is small: it certifies nothing */
+  /* nothing presses, though r is not 0: 1. Relative to a norm beyond the range of numbers
+   * everything is small: nothing is certified */
   const double residual_u = f == 0               ? 0
                             : scale_u == 0       ? 1
                             : scale_u <= DBL_MAX ? f / scale_u
@@ -581,7 +581,7 @@ dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason)
   return reason == DLS_OK || reason == DLS_TO_ROUNDING ? DLS_STALLED : reason;
 }
 
-/* Fills state or misfit, named so; the other is NULL. Returns the status of a public function. */
+/* Fills state or misfit (`name`: which); the other is NULL. Returns a public function's status. */
 static dls_status contact_tell(const dls_contact *problem, const double *r, const double *u,
                                const char *name, dls_contact_state *state, double *misfit,
                                dls_error *error) {

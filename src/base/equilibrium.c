@@ -1,5 +1,5 @@
 /*
- * equilibrium.c: the part of the certificate that says whether forces balance and joints hold.
+ * equilibrium.c: the part of the certificate for balance of forces and for joints.
  *
  *   (EB1)  e = K x - f - H r,   a = |K||x| + |f| + |H||r|
  *   (EB2)  of a connected body     |e| / s,   s = |f| + |H r|, but at least 1e-12 of the largest s
@@ -9,11 +9,11 @@
  *          y_j = max(|x_j|, (|f| + |H r| + |G l|)_j / K_jj): a displacement, or an indentation
  *   (EB5)  floor_e: eps |a| / s, in (EB3) with the largest |a| of these bodies; eps in (EB4)
  *
- * A body without any load holds the rounding of others: the 1e-12. A joint's row is a length, and
- * no force measures it. A light body is not hidden by the heavy one that a joint connects it to; it
- * takes over the rounding of that one, hence the 1e-4. Multipliers of redundant joints add up to 0
- * in G l, and enter no scale. (EB4) is measured against indentations, too, where nothing moves. The
- * numerator takes the place of the denominator where it is larger: the part is at most 1.
+ * A body without any load contains the rounding of others: hence the 1e-12. A joint's row is a
+ * length: forces do not measure it. A light body is not hidden by the heavy one that a joint
+ * connects to it, but takes over its rounding: hence the 1e-4. Multipliers of redundant joints add
+ * up to 0 in G l, and enter no scale. (EB4) is relative to indentations, too, if nothing moves. If
+ * the numerator is larger, it replaces the denominator: the part is at most 1.
  *
  * Cost: a product with K; with joints two more passes. Cannot fail.
  */
@@ -26,7 +26,7 @@ static const double least_share = 1e-4; /* (EB3) */
 
 enum { kinds = 5 }; /* e, a, f, H r, G l of a row; e, 0, s_l, 0, 0 of a joint */
 
-/* Returns the number of groups of rows that are measured by themselves. */
+/* Returns the number of groups of rows that are measured separately. */
 static size_t forces_groups(const dlsi_body *body) {
   return (size_t)body->parts + (body->joint ? (size_t)body->pieces : 0);
 }
@@ -70,7 +70,7 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
   }
 }
 
-/* Calls for each entry K_ij between a row i and an unknown j, of which one is a multiplier. */
+/* Calls for each entry K_ij of a row i and an unknown j, one of which is a multiplier. */
 typedef void (*couple_fn)(const dlsi_body *body, const double *x, const dlsi_forces *of, int i,
                           int j, double v);
 
@@ -119,7 +119,7 @@ static void forces_of_joints(const dlsi_body *body, const double *f, const doubl
   forces_couple(body, x, of, couple_lengths);
 }
 
-/* What is measured of a group of rows. */
+/* The measures of a group of rows. */
 typedef struct group {
   double e, a, load;
 } group;
@@ -164,7 +164,7 @@ static double forces_largest(const dlsi_body *body, const dlsi_forces *of, size_
   return most;
 }
 
-/* Takes |e| over s, with the rounding level eps a / s. Returns 1 if it is the largest so far. */
+/* Offers |e| over s, with the rounding level eps a / s. Returns 1 if it is the largest so far. */
 static int forces_take(double e, double a, double load, dls_certificate *found) {
   const double s = load > e ? load : e, part = e / s;
   if (s == 0) return 0;
@@ -185,7 +185,7 @@ static void forces_of_bodies(const dlsi_body *body, const dlsi_forces *of, dls_c
   }
 }
 
-/* (EB3), (EB4) Sets the largest load and a of each part first, in the place of the pieces' sums. */
+/* (EB3), (EB4) First sets the largest load and a of each part, in place of the pieces' sums. */
 static void forces_of_pieces(const dlsi_body *body, const dlsi_forces *of, dls_certificate *found) {
   const size_t pieces = (size_t)body->pieces;
   double *load = of->pull, *a = of->reach; /* by parts; both are spent */

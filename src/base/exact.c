@@ -2,26 +2,26 @@
  * exact.c: sums of products without any rounding, in one long fixed-point number, and the proof
  * that a contact problem has no solution.
  *
- * A double is an integer of 53 bits times a power of two from 2^-1074 to 2^971, so that a product
- * of three has 159 bits somewhere between 2^-3222 and 2^3072 (EX1). The sum keeps its digits in 64
- * bits each and does the carries when 2^30 products have been added, or when its sign is asked for.
+ * A double is an integer of 53 bits times a power of two from 2^-1074 to 2^971. A product of three
+ * has 159 bits somewhere between 2^-3222 and 2^3072 (EX1). The sum keeps its digits in 64 bits each
+ * and does the carries after 2^30 products, or when its sign is read.
  *
- * The proof is a Farkas vector: r in the cones C_mu with u_n = (W r + q)_n >= 0 is what every
- * solution has, and
+ * The proof is a Farkas vector. Every solution has r in the cones C_mu with u_n = (W r + q)_n >= 0.
+ * A v with
  *
  *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                  (EX2)
  *
- * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. With g_c = sum_a v_a (row n of
- * W_ac) the last condition is g_cn + mu_c |g_ct| <= 0 at each candidate. g_n and mu g_t are sums of
+ * excludes that, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. With g_c = sum_a v_a (row n of
+ * W_ac) the last condition is g_cn + mu_c |g_ct| <= 0 at each contact. g_n and mu g_t are sums of
  * products of three. In 2D their sum and difference have a sign; in 3D
  *
  *   g_n <= 0,   g_n^2 - (mu g_t)^2 - (mu g_s)^2 >= 0
  *
  * is decided in whole numbers of twice the length.
  *
- * A vector that a method computed holds up to rounding. The conditions that are equations for it
- * hold exactly, if at all, near it (EX3): v itself, v without its negligible entries, v in whole
- * numbers, v rounded to few binary digits.
+ * A vector that a method computed satisfies (EX2) up to rounding. Conditions that are equations for
+ * it hold exactly, if at all, near it (EX3): for v itself, v without its negligible entries, v in
+ * whole numbers, v rounded to few binary digits.
  */
 #include "base/exact.h"
 
@@ -111,14 +111,14 @@ int dlsi_exact_sign(dlsi_exact *sum) {
   return 0;
 }
 
-/* sum := row `part` of the block of candidate c in v.W_n, times `factor`. */
+/* sum := row `part` of the block of contact c in v.W_n, times `factor`. */
 static void exact_row(const dlsi_block_column *W, int part, double factor, const double *v,
                       dlsi_exact *sum) {
   for (size_t k = W->begin; k < W->end; k++)
     dlsi_exact_add(sum, v[dlsi_row(W, k)], W->x[k * W->step + (size_t)part * W->ld], factor);
 }
 
-/* square := square + turn sum^2, digits of 32 bits with carries put off. */
+/* square := square + turn sum^2, digits of 32 bits with postponed carries. */
 static void exact_add_square(dlsi_exact *sum, int turn, int64_t square[2 * dlsi_exact_digits + 1]) {
   enum { n = dlsi_exact_digits };
   const int negative = dlsi_exact_sign(sum) < 0;
@@ -155,7 +155,7 @@ static int exact_in_cone(dlsi_exact *gn, dlsi_exact h[2]) {
   return carry >= 0;
 }
 
-/* Returns 1 if g_n + mu |g_t| <= 0 holds at candidate c (EX2). */
+/* Returns 1 if g_n + mu |g_t| <= 0 holds at contact c (EX2). */
 static int exact_holds_at(const dls_contact *problem, int c, const double *v) {
   const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
   const double mu = problem->mu[c];
@@ -208,8 +208,8 @@ static double exact_denominator(double x, double within, double most) {
   return k;
 }
 
-/* whole := v times a factor that makes all entries whole numbers up to rounding; returns 0 if
- * there is none. */
+/* whole := v times a factor that makes all entries whole numbers up to rounding; returns 0 if there
+ * is none. */
 static int exact_to_whole(size_t n, const double *v, double *whole) {
   const double largest = dlsi_max_abs(v, n), most = 0x1p31;
   double factor = 1;

@@ -3,14 +3,14 @@
  *
  *   K = (A  G; G^T  0):   A x + G l = f + H r,   G^T x = b    l: multipliers, b: their part of f
  *
- * Row j of G^T x = b is a joint. Nobody names the multipliers; the diagonal of K does:
+ * Row j of G^T x = b is a joint. The diagonal of K shows which unknowns are multipliers:
  *
  *   (JO1)  K_jj > 0, or H touches unknown j    position
  *          K_jj < 0                            multiplier of a joint that gives way
  *          K_jj = 0, a neighbour of a position multiplier
  *          K_jj = 0, a neighbour of these      position without stiffness: a rigid body at rest
  *          .. and so on in turns
- * (JO2)  of those that nothing reaches, the ones without a neighbour before them are positions, and
+ *   (JO2)  of unknowns that this does not reach, those without an earlier neighbour are positions;
  *          (JO1) goes on: bodies without any stiffness come before the joints between them
  *
  * Cost: a pass over K, and one for each turn where a diagonal entry is 0. Cannot fail.
@@ -65,8 +65,8 @@ int dlsi_body_pieces(const dls_model *model, const int *joint, int *piece) {
 
 /* ---- multipliers ----------------------------------------------------------------------------- */
 
-/* Sets turn[j] := 1 of a position and 2 of a multiplier, -1 where the diagonal does not tell.
- * Returns how many these are. */
+/* Sets turn[j] := 1 for a position and 2 for a multiplier, -1 if the diagonal leaves it open.
+ * Returns how many are open. */
 static int joints_begin(const dls_model *model, const dls_sparse *Ht, int *turn) {
   int open = 0;
   double v;
@@ -93,7 +93,7 @@ static int joints_begin(const dls_model *model, const dls_sparse *Ht, int *turn)
   return open;
 }
 
-/* Sets turn := now + 1 of the open neighbours of those of turn `now`; returns how many. */
+/* Sets turn := now + 1 for the open neighbours of those of turn `now`; returns how many. */
 static int joints_wave(const dls_model *model, int *turn, int now) {
   int found = 0;
   for (int j = 0; j < model->n; j++) {
@@ -109,7 +109,7 @@ static int joints_wave(const dls_model *model, int *turn, int now) {
   return found;
 }
 
-/* Sets turn := now of those open ones that have no open neighbour before them; returns how many. */
+/* Sets turn := now for open unknowns that have no earlier open neighbour; returns how many. */
 static int joints_seed(const dls_model *model, int *turn, int now) {
   int found = 0;
   for (int j = 0; j < model->n; j++) {

@@ -1,11 +1,11 @@
 /*
- * lock.c: lets one thread at a time into libraries that keep state of their own: MUMPS, METIS,
- * HDF5; lets one call at a time into an object.
+ * lock.c: lets one thread at a time into libraries with state of their own: MUMPS, METIS, HDF5;
+ * lets one call at a time into an object.
  *
- * The one writable global of the library (tests/check_symbols.sh names it); libdelassus-files.so
- * has its own. A thread holds the lock for one call of such a library and calls nothing of the host
- * meanwhile, so that no two locks are ever held and a callback may use the library freely. Locking
- * a mutex of the default kind that this thread does not hold cannot fail.
+ * The lock is the one writable global of the library (tests/check_symbols.sh names it);
+ * libdelassus-files.so has its own. A thread holds it for one call of such a library and calls
+ * nothing of the host meanwhile: no two locks are ever held, and a callback may use the library
+ * freely. Locking a mutex of the default kind that this thread does not hold cannot fail.
  */
 #include <pthread.h>
 

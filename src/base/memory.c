@@ -18,15 +18,15 @@
 
 enum { alignment = 64 };
 
-/* Returns 1 if count * size + alignment > SIZE_MAX. Divides only where a factor is large: the
- * product of two factors below 2^(half of the bits) cannot overflow, and a division takes longer
- * than the rest. */
+/* Returns 1 if count * size + alignment > SIZE_MAX. Divides only if a factor is large: the product
+ * of two factors below 2^(half of the bits) cannot overflow, and a division takes longer than the
+ * rest. */
 static int overflows(size_t count, size_t size) {
   const size_t half = SIZE_MAX >> (4 * sizeof(size_t));
   return (count > half || size > half) && size && count > (SIZE_MAX - alignment) / size;
 }
 
-/* Lets the address sanitizer see what reads or writes between a piece and the next one. */
+/* Makes the address sanitizer report accesses between a piece and the next one. */
 static void forbid_rest(char *piece, size_t used, size_t bytes) {
 #ifdef WITH_ADDRESS_SANITIZER
   __asan_unpoison_memory_region(piece, used);

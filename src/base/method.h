@@ -1,6 +1,6 @@
 /*
- * method.h: what the table of methods (src/front/methods.c) knows of a method for contact problems.
- * Each method's file ends with its row, const dlsi_method dlsi_<name>_method.
+ * method.h: a row of the table of methods (src/front/methods.c) for contact problems. Each method's
+ * file ends with its row, const dlsi_method dlsi_<name>_method.
  */
 #ifndef DLSI_METHOD_H
 #define DLSI_METHOD_H
@@ -9,15 +9,15 @@
 
 struct dlsi_room; /* linear/room.h */
 
-/* What a method is created from. A method takes what it has a use for. */
+/* What a method is created from. A method reads only what it needs. */
 typedef struct dlsi_options {
   dls_limits limits;
   int acceleration;      /* dls_acceleration, of sweeps */
   int facets;            /* of the friction cone of an LCP, d = 3; 0: the method's own */
   int positive_definite; /* 1: W is known to be symmetric positive definite */
-  /* 1: a step of auto, which goes on from the r of the steps before: no sweeps of other methods, no
-   * answer but r and its certificate; of splitting a cold solve is one with a tiny rho. 2: sweeps
-   * with momentum */
+  /* 1: a step of auto, which goes on from the r of earlier steps: no sweeps of other methods, no
+   * answer but r and its certificate; a cold solve of splitting has a tiny rho. 2: sweeps with
+   * momentum */
   int stage;
   int lazy;                   /* 1: auto may allocate while it solves what only later stages need */
   const char *plan, *without; /* of auto, from dls_solver_settings, checked; not kept */
@@ -37,7 +37,7 @@ typedef struct dlsi_method {
   void (*destroy)(void *work);
   void (*set_limits)(void *work, const dls_limits *limits); /* all but blocks */
   /* After DLS_NO_SOLUTION_LIKELY, or a ray of Lemke's method, the direction along which the
-   * reactions run away, m. NULL: the method does not say that. */
+   * reactions run away, m. NULL: the method does not return it. */
   const double *(*direction)(const void *work);
   /* As dls_solver_farkas says. NULL: the method proves nothing. */
   const double *(*farkas)(const void *work);
@@ -45,7 +45,7 @@ typedef struct dlsi_method {
    * one, -1: it is new. from NULL: there is no map. Called before each solve; NULL: the method
    * takes nothing but r. */
   void (*map)(void *work, int nc, const int *from);
-  int takes_bodies; /* 1: solves a problem of bodies as it is, 0: wants W by blocks besides */
+  int takes_bodies; /* 1: solves a problem of bodies directly, 0: also needs W by blocks */
 } dlsi_method;
 
 #endif

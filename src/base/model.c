@@ -23,7 +23,7 @@ static dls_status model_check_lower(const dls_dense *K, int n, dls_error *error)
   return DLS_OK;
 }
 
-/* Refuses a symmetric Ks given by its upper triangle: it would be taken for its diagonal. */
+/* Refuses a symmetric Ks given by its upper triangle: only its diagonal would be read. */
 static dls_status model_check_triangle(const dls_sparse *Ks, dls_error *error) {
   int upper = -1;
   for (int j = 0; j < Ks->cols; j++)
@@ -36,8 +36,8 @@ static dls_status model_check_triangle(const dls_sparse *Ks, dls_error *error) {
                    "is an upper triangle; the lower one or both are wanted");
 }
 
-/* Refuses a lower triangle under DLS_LU, which takes K as it stands: half of a symmetric matrix, as
- * files hold it. below, above: an entry other than 0, or -1. */
+/* Refuses a lower triangle under DLS_LU, which reads all of K: half of a symmetric matrix, as in
+ * files. below, above: an entry other than 0, or -1. */
 static dls_status model_check_whole(const char *argument, long long below, long long above,
                                     dls_error *error) {
   if (below < 0 || above >= 0) return DLS_OK;

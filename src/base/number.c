@@ -43,8 +43,8 @@ double dlsi_norm2(const double *x, size_t n) {
   return norm <= DBL_MAX ? norm : DBL_MAX; /* a residual over infinity would be 0, and certify */
 }
 
-/* Returns the exponent of x plus 1: the sign bit is set if x is NaN or Inf. Bits, not arithmetic:
- * no compiler's flag makes this true by assumption, and no trap of the host sees a NaN. */
+/* Returns the exponent of x plus 1: the sign bit is set if x is NaN or Inf. By bits, not
+ * arithmetic: no flag of a compiler assumes the result, and no NaN reaches a trap of the host. */
 static inline uint64_t exponent_plus_1(double x) {
   const uint64_t all = UINT64_C(0x7ff) << 52;
   uint64_t bits;

@@ -1,16 +1,16 @@
 /*
- * parallel.c: tasks on several threads, the one place that knows of OpenMP. A compiler without it
+ * parallel.c: tasks on several threads, the only file that uses OpenMP. A compiler without OpenMP
  * runs them one after the other, to the same bits.
  *
- * A team lives as long as a solve. Its tasks take microseconds to milliseconds, and on a busy
- * machine a thread may wait for its core for much longer than that: so nobody waits for a thread
- * that has not begun. The caller takes tasks itself, the others take what is left, and the caller
- * waits only for those that they have taken.
+ * A team lives as long as a solve. Its tasks take microseconds to milliseconds. On a busy machine a
+ * thread may wait for its core much longer than that: so nobody waits for a thread that has not
+ * started. The caller takes tasks itself, the others take what is left, and the caller waits only
+ * for tasks that they have taken.
  *
- *   word    how many tasks there are (upper half), the next one (lower half); taken by exchange
+ *   word    number of tasks (upper half), the next one (lower half); taken by atomic exchange
  *   done    tasks that have ended
  *
- * Who takes a task finds it, its function and its data as they are: the next job begins when all
+ * A thread that takes a task finds its function and data unchanged: the next job starts after all
  * tasks of this one have ended.
  */
 #define _POSIX_C_SOURCE 200809L
@@ -59,10 +59,9 @@ void dlsi_parallel(dlsi_team *team, int tasks, dlsi_task *task, void *data) {
 }
 
 #ifdef _OPENMP
-/* Takes tasks until the solve is over; a short look at first, then leaves the core to others
- * between two looks. */
+/* Takes tasks until the solve is over. Polls briefly, then yields the core between polls. */
 static void team_help(dlsi_team *team) {
-  DLSI_DOOR; /* a thread has the environment of the one that began it, at that time */
+  DLSI_DOOR; /* a thread inherits the environment of its creator, at that time */
   for (int idle = 0; !atomic_load(&team->over);)
     if (team_take(team))
       idle = 0;

@@ -1,10 +1,10 @@
 /*
- * products.c: adds columns of W to u: u += W(:,c) dr_c, for one candidate or for a list of
- * candidates.
+ * products.c: adds columns of W to u: u += W(:,c) dr_c, for one contact or for a list of
+ * contacts.
  *
- * Dense W: one pass over u takes the columns of four candidates, so that W is read at the speed of
- * the memory. Each u_i receives the candidates' shares in the order of the list, to the same bits
- * as one call of dlsi_contact_add_columns after the other.
+ * Dense W: one pass over u takes the columns of four contacts, to read W at the speed of the
+ * memory. Each u_i receives the terms of the contacts in the order of the list, to the same bits as
+ * successive calls of dlsi_contact_add_columns.
  *
  * The Makefile compiles this file with -O3, which vectorises the loops over i. Each loop is written
  * once per dimension: the compiler has to know how many columns run side by side.
@@ -13,7 +13,7 @@
 
 #include "base/base.h"
 
-/* Two doubles in a register, for loops in which the compiler finds no pairs by itself. */
+/* Two doubles in a register, for loops in which the compiler finds no pairs. */
 typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 static inline dlsi_pair dlsi_load(const double *x) {
@@ -181,7 +181,7 @@ void dlsi_contact_add_both(const dls_contact *problem, int count, const int *c, 
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             double *u) {
   const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld, m = d * (size_t)problem->nc;
-  int k = 0, normal = 1; /* candidates without friction leave the columns of tangents alone */
+  int k = 0, normal = 1; /* contacts without friction skip the columns of tangents */
   for (size_t i = 0; i < d * (size_t)count; i++)
     normal &= i % d == 0 || dr[i] == 0;
   const size_t columns = normal ? 1 : d;

@@ -1,6 +1,6 @@
 /*
- * progress.c: tells the caller's progress callback of a solve and keeps to the time limit, for
- * every method in the same way.
+ * progress.c: calls the caller's progress callback and keeps the time limit, in the same way for
+ * every method.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <time.h>

@@ -1,4 +1,4 @@
-/* status.c: gives names and words for statuses, fills errors, tells the version. */
+/* status.c: gives names and words for statuses, fills errors, returns the version. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /*
- * subset.c: some candidates of a contact problem as a problem of their own.
+ * subset.c: some contacts of a contact problem as a smaller problem.
  *
  *   W' = W(s, s),  q' = q(s),  mu' = mu(s), weights alike     for the list s, which ascends
  *
@@ -54,8 +54,8 @@ static int subset_place(int count, const int *candidate, int c) {
   return low < count && candidate[low] == c ? low : -1;
 }
 
-/* Copies the blocks of W(s, s), in the order in which W has them, and returns the end of the
- * values. index: count + 1 starts, then the block rows. */
+/* Copies the blocks of W(s, s), in the order of W, and returns the end of the values. index: count
+ * + 1 starts, then the block rows. */
 static double *subset_blocks(const dls_contact *problem, int count, const int *candidate, double *x,
                              int *index, dls_blocks *B) {
   const dls_blocks *all = &problem->Wb;
@@ -76,7 +76,7 @@ static double *subset_blocks(const dls_contact *problem, int count, const int *c
   return x;
 }
 
-/* Copies the bodies of the candidates and their H, and returns the end of the values. */
+/* Copies the bodies of the contacts and their H, and returns the end of the values. */
 static double *subset_bodies(const dls_contact *problem, int count, const int *candidate, double *x,
                              int *index, dls_bodies *B) {
   const size_t size = 2 * (size_t)problem->bodies.n * (size_t)problem->d;

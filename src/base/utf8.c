@@ -25,7 +25,7 @@ int dlsi_utf8_is_control(long code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0xfffe || code == 0xffff;
 }
 
-/* Returns 1 for a character that turns the direction of a line: it can hide what follows. */
+/* Returns 1 for a character that changes the direction of a line: it can hide what follows. */
 static int turns_line(long code) {
   return code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);

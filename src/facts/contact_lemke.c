@@ -3,23 +3,23 @@
  *
  *   (CL1)  d = 2: the 3-row form of the LCP (lcp/friction.c); after a ray the 4-row form
  *          (lcp/facets.c) d = 3: the cone with facets
- *   (CL2)  from the LCP's reactions to the round cone by Newton's method; where the states of the
- *          candidates cycle, sweeps of Gauss-Seidel sort them out, and again
+ *   (CL2)  from the LCP's reactions to the round cone by Newton's method; if the states of the
+ *          contacts cycle, sweeps of Gauss-Seidel sort them, then Newton again
  *
- *   (CL3)  d = 2: v_c = s_c times the entry of row u_n in the LCP's Farkas vector is one of the
- *          contact problem, (EX2), up to rounding; a proof if it, or a vector near it, holds
- *          exactly for W, q and mu, which the LCP has only rounded
+ *   (CL3)  d = 2: v_c = s_c times the entry of row u_n in the LCP's Farkas vector is a Farkas
+ *          vector of the contact problem, (EX2), up to rounding. It is a proof if v, or a vector
+ *          near v, holds exactly for W, q and mu: the LCP has only rounded numbers
  *
- *   (CL4)  r_c = s_c r'_c with s_c = sqrt(w / w_c), w the largest w_c; what is left of the unit of
- *          W goes by a division of W and q by a power of two near w, which changes no r. So a W in
- *          another unit, by a power of two, leads to the LCP with the same bits.
+ *   (CL4)  r_c = s_c r'_c with s_c = sqrt(w / w_c), w the largest w_c. Dividing W and q by a power
+ *          of two near w removes the rest of the unit of W and changes no r. A W in a unit that
+ *          differs by a power of two thus leads to the LCP with the same bits.
  *
- *   (CL5)  after (CL2) without an answer: the linear problem of farkas.c. Its ray is a Farkas
- *          vector, proof or not by the rule of (CL3), in 3D too; its solution may show that no r
- *          can be certified
+ *   (CL5)  if (CL2) finds no answer: the linear problem of farkas.c. Its ray is a Farkas vector,
+ *          proof or not by the rule of (CL3), in 3D too; its solution may show that no r can be
+ *          certified
  *
- * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
- * holds more than the one with facets.
+ * The certificate decides. In 3D the LCP of (CL1) proves nothing about the problem: the round cone
+ * is larger than the cone with facets.
  */
 #include <math.h>
 #include <stdint.h>
@@ -36,7 +36,7 @@
 enum {
   linear_form = -1, /* of an LCP: (CL5) */
   default_facets = 8,
-  most_fallback_rows = 4000, /* d = 2: of a 4-row form that create still has room for */
+  most_fallback_rows = 4000, /* d = 2: largest 4-row form for which create has memory */
   polish_sweeps = 30,
   polish_rounds = 3
 };
@@ -45,7 +45,7 @@ typedef struct contact_lemke {
   dls_limits limits;
   int d, nc;
   int facets; /* of the cone; d = 2: 2 */
-  int n;      /* rows there is room for */
+  int n;      /* rows that have memory */
   dls_lemke *lemke;
   dls_nlgs *nlgs;     /* (CL2) */
   dls_newton *newton; /* (CL2) */
@@ -58,13 +58,13 @@ typedef struct contact_lemke {
   double *dr;         /* m: reactions of the last ray */
   dlsi_iterate it;
 
-  /* of the solve under way, or the last one */
+  /* of the current or last solve */
   const dls_contact *problem;
   int form;     /* facets of the LCP that Lemke's method solves; 0: the 3-row form; linear_form */
   int has_v;    /* 1: v is a Farkas vector, at least up to rounding */
   int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
   int excludes; /* 1: (CL5) shows that no r can be certified */
-  int pivots;   /* of the LCPs before the one under way */
+  int pivots;   /* of earlier LCPs */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -99,7 +99,7 @@ static dls_status contact_lemke_create(void **out, int d, int nc, const dlsi_opt
   const int facets = d <= 2 ? 2 : options->facets ? options->facets : default_facets;
   /* d = 1: nc for the LCP, as many again for that of (CL5) */
   long long n = (d == 1 ? 2 : facets + 2) * (long long)nc;
-  if (d == 2 && n > most_fallback_rows) n = 3LL * nc; /* no room for the 4-row form */
+  if (d == 2 && n > most_fallback_rows) n = 3LL * nc; /* no memory for the 4-row form */
   if (n > INT32_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   contact_lemke filled = {.d = d, .nc = nc, .facets = facets, .n = (int)n};
   void *memory;
@@ -124,7 +124,7 @@ static dls_status contact_lemke_create(void **out, int d, int nc, const dlsi_opt
 }
 
 /* (CL3) Decides whether the Farkas vector of the LCP is a proof; work->v := that of the contact
- * problem. d = 3: settles that the cone with facets has no solution. scratch: nc. */
+ * problem. d = 3: establishes that the cone with facets has no solution. scratch: nc. */
 static int contact_lemke_judge(void *lemke, double *farkas, double *scratch) {
   contact_lemke *work = lemke;
   const dls_contact *problem = work->problem;
@@ -138,7 +138,7 @@ static int contact_lemke_judge(void *lemke, double *farkas, double *scratch) {
   return dlsi_contact_find_proof(problem, work->v, scratch);
 }
 
-/* r := the reactions of z, in the form of the LCP at hand. Errors of the forms. */
+/* r := the reactions of z, in the current form of the LCP. Errors of the forms. */
 static dls_status take_reactions(const contact_lemke *work, const double *z, double *r,
                                  dls_error *error) {
   const dls_contact *problem = work->problem;
@@ -155,7 +155,7 @@ static dls_status read_ray(contact_lemke *work, dls_status status, dls_error *er
 }
 
 /* (CL4) Divides W and q in the LCP of work->form, n rows, by a power of two. Rows and columns of a
- * multiplier, the last of a candidate with friction, hold nothing of W. */
+ * multiplier, the last of a contact with friction, contain nothing of W. */
 static void divide_by_unit(contact_lemke *work, const dls_contact *problem, int n) {
   const double unit = work->unit;
   const int rows = work->form ? work->form + 2 : 3;
@@ -172,7 +172,7 @@ static void divide_by_unit(contact_lemke *work, const dls_contact *problem, int 
     work->q[i] /= unit;
 }
 
-/* Tells the caller of a point z of the LCP's path: of its reactions and their certificate. */
+/* Reports a point z of the LCP's path to the caller: its reactions and their certificate. */
 static int tell_of_path(void *lemke, const dls_progress *of_path) {
   DLSI_DOOR;
   contact_lemke *work = lemke;
@@ -186,8 +186,8 @@ static int tell_of_path(void *lemke, const dls_progress *of_path) {
   return dlsi_tell(limits, work->it.begun, &progress) == DLS_CANCELLED;
 }
 
-/* Returns DLS_STALLED for an LCP whose scales or unknowns lie beyond the range of numbers: those of
- * the problem do not, and the best r so far stays. */
+/* Returns DLS_STALLED for an LCP whose scales or unknowns overflow: the numbers of the problem do
+ * not, and the best r so far stays. */
 static dls_status stall_beyond_range(dls_status status) {
   return status == DLS_E_NOT_FINITE ? DLS_STALLED : status;
 }
@@ -229,7 +229,7 @@ static int is_stopped(dls_status status) {
   return status == DLS_CANCELLED || status == DLS_TIME_LIMIT;
 }
 
-/* Tells the caller of a step to the round cone. */
+/* Reports a step to the round cone to the caller. */
 static int tell_of_polish(void *lemke, const dls_progress *of_step) {
   DLSI_DOOR;
   const contact_lemke *work = lemke;
@@ -240,7 +240,7 @@ static int tell_of_polish(void *lemke, const dls_progress *of_step) {
 }
 
 /* (CL2) from work->r, not from the best r so far: r = 0 may have the smaller residual, but not the
- * states. */
+ * right states. */
 static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_error *error) {
   dls_status status = DLS_OK;
   dls_limits steps = {.tol = work->limits.tol, .warm_start = 1, .progress_data = work};
@@ -266,8 +266,8 @@ static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_er
   return DLS_OK;
 }
 
-/* (CL5) Returns DLS_NO_SOLUTION with a proof, DLS_RAY with a vector that is one up to rounding,
- * DLS_TIME_LIMIT, an error, else `status`. */
+/* (CL5) Returns DLS_NO_SOLUTION with a proof, DLS_RAY with a proof up to rounding, DLS_TIME_LIMIT,
+ * an error, else `status`. */
 static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, dls_status status,
                                int *pivots, dls_error *error) {
   const int n = dlsi_farkas_size(problem);
@@ -278,7 +278,7 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
   dlsi_farkas_lcp(problem, work->s, work->unit, work->M, work->q, work->z);
   memset(work->z, 0, (size_t)n * sizeof *work->z);
   dls_limits limits = work->limits;
-  limits.progress = NULL; /* the unknowns of this LCP are no reactions */
+  limits.progress = NULL; /* the unknowns of this LCP are not reactions */
   limits.cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun);
   dlsi_lemke_set_limits(work->lemke, &limits);
   const dls_status ended = dlsi_lemke_run(work->lemke, &lcp, work->z, NULL, &info);

@@ -7,18 +7,18 @@
  *   (DR1)  dr = E y + s,   s_c = r_n dmu_c (0, t) where contact c slips, else 0
  *   (DR2)  A y = -R (dq + dW r + W s),   du = dq + dW r + W dr
  *
- * In 3D L holds that t turns: |r_t| p.du + |u_t| p.dr = 0. The transposed system gives the gradient
- * of a loss with g_r = dL/dr and g_u = dL/du:
+ * In 3D L contains the turning of t: |r_t| p.du + |u_t| p.dr = 0. The transposed system gives the
+ * gradient of a loss with g_r = dL/dr and g_u = dL/du:
  *
  *   (DR3)  A^T l = E^T (g_r + W^T g_u),   a = g_u - R^T l
  *   (DR4)  dL/dq = a,   dL/dW = a r^T,   dL/dmu_c = r_n t.(g_r + W^T a)_c
  *   (DR5)  W = H^T H of rigid bodies: dL/dH_c = (H r) a_c^T + (H a) r_c^T for each body of c;
  *          dW r = H^T (dH r) + dH^T (H r)
  *
- *   (DR6)  On the border of two states, dlsi_border_state, the equations hold on one side: those of
- *          the higher or of the lower state are taken on request.
- *   (DR7)  A is singular where |(R A C)^-1| >= 1 / (64 sqrt(n) eps), R and C such that units do not
- *          matter: by one step of inverse iteration from numbers drawn.
+ *   (DR6)  On the border of two states, dlsi_border_state, the equations hold on one side. `side`
+ *          chooses the higher or the lower state.
+ *   (DR7)  A is singular if |(R A C)^-1| >= 1 / (64 sqrt(n) eps), with R and C such that units do
+ *          not matter: by one step of inverse iteration from drawn numbers.
  *
  * Cost: 2/3 rows^3 once, then 2 rows^2 and two products with W for each gradient or direction. What
  * can fail: borders, reactions that are not determined.
@@ -77,7 +77,7 @@ dls_status dls_derive_create(dls_derive **out, const dls_contact *problem, const
 
 /* ---- products with W ------------------------------------------------------------------------- */
 
-/* y += W^T v; t: of the contacts that slip alone, NULL: of all. */
+/* y += W^T v; t: only of the contacts that slip; NULL: of all. */
 static void derive_transposed(const dls_contact *p, const double *t, const double *v, double *y) {
   const size_t d = (size_t)p->d, m = d * (size_t)p->nc;
   for (size_t c = 0; c < (size_t)p->nc; c++) {
@@ -104,7 +104,7 @@ static void derive_move(const dls_contact *p, const double *H, const double *x, 
   }
 }
 
-/* (DR4), (DR5) W := the gradient of what is stored. */
+/* (DR4), (DR5) W := the gradient of the stored values. */
 static void derive_stored(const dls_derive *work, const double *a, double *W) {
   const dls_contact *p = &work->problem;
   const size_t d = (size_t)p->d, n = (size_t)p->bodies.n, all = n * (size_t)p->bodies.count;
@@ -225,7 +225,7 @@ static dls_status derive_jvp(dls_derive *work, const dls_derive_data *change,
   double *dr = work->a, *u = work->b, *v = work->c, *z = work->z, *y = z + n;
   dls_status status = DLS_OK;
   derive_slip(work, change->mu, dr);
-  derive_copy(u, change->q, m); /* u: what is given of du */
+  derive_copy(u, change->q, m); /* u: the given part of du */
   derive_copy(z, NULL, n);
   if (change->W) status = derive_change(work, change->W, u, error);
   if (change->K) dlsi_derive_apply(work, change->K, z);
@@ -257,7 +257,7 @@ static dls_status derive_jvp(dls_derive *work, const dls_derive_data *change,
   return DLS_OK;
 }
 
-/* Checks the arrays that go in, and computes one product or the other. */
+/* Checks the input arrays, and computes one of the two products. */
 static dls_status derive_call(dls_derive *work, int forward, const dls_derive_data *data,
                               const dls_derive_answer *answer, dls_error *error) {
   if (!work) return dlsi_is_null(error, "derive");

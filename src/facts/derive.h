@@ -10,7 +10,7 @@
 struct dls_derive {
   atomic_int busy;
   int n, rows;           /* unknowns of K, 0 on W; of the states */
-  dls_contact problem;   /* of a body: d, nc and mu alone */
+  dls_contact problem;   /* of a body: only d, nc and mu */
   dlsi_formed formed;    /* of W of rigid bodies */
   dlsi_states_matrix *A; /* on W, ... */
   dlsi_general M;        /* ... or on K, (DB1), ... */
@@ -22,7 +22,7 @@ struct dls_derive {
   double *r, *u;       /* m: the answer */
   double *x;           /* n */
   double *a, *b, *c;   /* m: scratch */
-  double *z;           /* n + m: right sides and solutions, of K first */
+  double *z;           /* n + m: right sides and solutions, K first */
   double *row, *col;   /* n + m: R and C of (DR7) */
   double *motion;      /* on W of rigid bodies: motions of all bodies, twice */
 };
@@ -48,14 +48,13 @@ dls_status dlsi_derive_judge(dls_derive *work, dls_status status, dls_error *err
 void dlsi_derive_push(const dls_derive *work, const double *r, double *x);
 void dlsi_derive_look(const dls_derive *work, const double *x, double *y);
 
-/* contacts (m) := P^T nodes or, back = 1, nodes := P contacts, without the tangents that are left
- * out. */
+/* contacts (m) := P^T nodes or, back = 1, nodes := P contacts, without the omitted tangents. */
 void dlsi_derive_gaps(const dls_derive *work, int back, double *nodes, double *contacts);
 
-/* Returns the number of values of K that are stored. */
+/* Returns the number of stored values of K. */
 size_t dlsi_derive_values(const dls_model *K);
 
-/* (DB4) value := the gradient of what is stored of K;  y (n) := dK x */
+/* (DB4) value := the gradient of the stored values of K;  y (n) := dK x */
 void dlsi_derive_stored(const dls_derive *work, const double *b, double *value);
 void dlsi_derive_apply(const dls_derive *work, const double *dK, double *y);
 

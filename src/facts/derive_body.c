@@ -6,9 +6,9 @@
  *   (DB3)  M^T (b; l) = (g_x + H g_u; E^T g_r),   a = g_u - R^T l
  *   (DB4)  dL/df = b,   dL/dg = P a,   dL/dK = -b x^T,   dL/dmu_c = r_n t.(g_r + H^T b)_c
  *
- * Where K is regular, eliminating x gives (DR2) and (DR3): b = K^-T (H a + g_x). M is regular, too,
- * where contact alone holds a body. Rows of K x = f + H r that are joints are as all others;
- * the multipliers of redundant ones stay 0.
+ * If K is regular, eliminating x gives (DR2) and (DR3): b = K^-T (H a + g_x). M is regular, too, if
+ * only contact holds a body. Rows of K x = f + H r that are joints are as all others; the
+ * multipliers of redundant joints stay 0.
  *
  * Cost: a sparse LU of M, of the size of K and the contacts that touch. What can fail: bodies that
  * nothing holds; a build without MUMPS beyond 8000 unknowns.

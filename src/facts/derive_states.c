@@ -1,6 +1,6 @@
 /*
- * derive_states.c: the object of derivatives, the states of its answer, its linear system; with the
- * notation of derive.c.
+ * derive_states.c: the object of derivatives, the states of its answer, its linear system. Notation
+ * of derive.c.
  */
 #include <float.h>
 #include <stdlib.h>
@@ -55,7 +55,7 @@ void dls_derive_destroy(dls_derive *derive) {
 
 static const char *const state_names[] = {"free", "slip", "stick"};
 
-/* t (2) := the direction of the friction that mu would have, or has, at a contact that touches. */
+/* t (2) := the direction of friction at a contact that touches; for mu = 0, if it had friction. */
 static void derive_direction(const dls_derive *work, int c, double close, double *t) {
   const int d = work->problem.d;
   const dlsi_branch *at = &work->branch[c];

@@ -1,4 +1,4 @@
-/* facts.h: what is known of a problem: for auto, which decides by it, and for the public calls. */
+/* facts.h: facts about a problem, for auto, which decides by them, and for the public calls. */
 #ifndef DLSI_FACTS_H
 #define DLSI_FACTS_H
 
@@ -29,24 +29,29 @@ int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const doub
 
 enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 
-/* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1
- * where the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w:
- * weights of the certificate. J: scratch, m x m. x: scratch, m. */
+/* Returns |r - r*| / |r| to first order, in the states that r has; 0 if nothing touches, -1 if the
+ * reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w: weights of the
+ * certificate. J: scratch, m x m. x: scratch, m. */
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);
 
-/* state (nc) := those of the positions u, u_n and |u_t| up to `close` being 0: contacts that touch
- * and do not slip stick, whether they carry a reaction or not. */
+/* (SN6) Returns 1 if the error of r may be large although the residual is small; always 1 for few
+ * rows, where the prediction costs little. W: dense or by blocks. w: weights of the certificate.
+ * Costs about one product with W. */
+int dlsi_may_hide_error(const dls_contact *problem, const double *w);
+
+/* state (nc) := the states of the positions u, with u_n and |u_t| up to `close` taken as 0:
+ * contacts that touch and do not slip stick, with or without a reaction. */
 void dlsi_contact_touch(const dls_contact *problem, const double *u, double close,
                         dls_contact_state *state);
 
-/* Returns how near to another state a contact is on the border of both: a share of the largest
- * entry of w r and u, 10 times the residual at least. w: weights of the certificate. */
+/* Returns the distance within which a contact is on the border of two states: a fraction of the
+ * largest entry of w r and u, at least 10 times the residual. w: weights of the certificate. */
 double dlsi_border_width(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double residual);
 
-/* Returns the state that a contact in `state` is within `close` of, its own where there is none.
- * w, r, u: its own. */
+/* Returns the other state that a contact in `state` is within `close` of; without one, `state`. w,
+ * r, u: of this contact. */
 dls_contact_state dlsi_border_state(int d, double mu, dls_contact_state state, const double *w,
                                     const double *r, const double *u, double close);
 
@@ -61,16 +66,16 @@ dls_status dlsi_contact_prove(const dls_contact *problem, const double *r, dls_p
 /* Candidates of the largest problem for dlsi_contact_find_states. */
 enum { dlsi_most_states = 8 };
 
-/* Does the work of dls_contact_fold on a problem; search: 1 for the local search, whatever its
+/* Does the work of dls_contact_fold on a problem. search: 1 for the local search, whatever the
  * size. */
 dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *fold,
                              dls_contact_state *state, double *q, double *r, double *other,
                              dls_error *error);
 
-/* Tries all states of a problem with d = 2 and at most so many candidates (states.c). Returns 1 if
- * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell or the time
- * of a solve that began at `begun` is over. r: scratch, m. best: the best answer so far, m,
- * replaced with its certificate by a better one. */
+/* Tries all states of a problem with d = 2 and at most so many contacts (states.c). Returns 1 if
+ * that gives a certified answer, 0 if no states have one, -1 if rounding leaves it open or the time
+ * of a solve that began at `begun` is over. r: scratch, m. best: the best answer so far, m; a
+ * better answer replaces it and its certificate. */
 int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limits, double begun,
                              double *r, double *best, dls_certificate *certificate);
 

@@ -7,25 +7,25 @@
  *
  *   (FA1)  min sum_k w_k x_k,  x >= 0,  E_n x + q_n >= 0;   max -v.q_n,  v >= 0,  E_n' v <= w
  *
- * w_k: weight of the candidate. They are the LCP in z = (v, x)
+ * w_k: weight of the contact. They are the LCP in z = (v, x)
  *
  *   (FA2)  M = (0, E_n; -E_n', 0),  q = (q_n, w)
  *
  * M is skew. Therefore Lemke's method either solves the LCP or ends in a ray with E_n' v <= 0 and
- * v.q_n < 0: a Farkas vector, the proof of base/exact.h. E has the two edges of the cone for d = 2,
- * and for d = 3 the 8 edges of a polygonal cone around the round one, so that a proof also holds
+ * v.q_n < 0: a Farkas vector, the proof of base/exact.h. For d = 2, E has the two edges of the
+ * cone; for d = 3 the 8 edges of a polygonal cone around the round one, so that a proof also holds
  * for the round cone. The LCP uses the scaled unknowns of contact_lemke.c, where w = 1, and
  * multiplies w by the size of q_n.
  *
- * The dual v bounds the size of a solution from below; so does a v that is Farkas' up to rounding.
- * With g_c = sum_a v_a (row n of W_ac), every r has v.u_n = g.r + v.q_n, and e_c = max(0, g_cn + mu
- * |g_ct|) bounds g_c.r_c / r_cn in the cone. An r whose certificate holds has a floor of at most
- * C / 4, C = max(tol, 1e-8), and |F| <= C |q|, hence |w r| <= R = C |q| / (4 eps), u_n >= -sqrt(1 +
- * mu^2) |F_c|, and lies in the cones but for |F_c / w_c|:
+ * The dual v bounds the size of a solution from below; so does a v that is a Farkas vector up to
+ * rounding. With g_c = sum_a v_a (row n of W_ac), every r has v.u_n = g.r + v.q_n, and e_c = max(0,
+ * g_cn + mu |g_ct|) bounds g_c.r_c / r_cn in the cone. If the certificate of r holds, its floor is
+ * at most C / 4, C = max(tol, 1e-8), and |F| <= C |q|. Hence |w r| <= R = C |q| / (4 eps), u_n >=
+ * -sqrt(1 + mu^2) |F_c|, and r is in the cones up to |F_c / w_c|:
  *
  *   (FA3)  -v.q_n  >  |e / w| (R + C |q|) + C |q| (|v sqrt(1 + mu^2)| + |g / w| + (m + 2) |v| / 4)
  *
- * shows that no r can be certified; the last term is the rounding of u. Norms are over candidates.
+ * shows that no r can be certified; the last term is the rounding of u. Norms are over contacts.
  */
 #include <float.h>
 #include <math.h>
@@ -40,7 +40,7 @@ static int farkas_edges(const dls_contact *problem, int c) {
   return !(problem->mu[c] > 0) ? 1 : problem->d == 2 ? 2 : round_edges;
 }
 
-/* edge := edge k of the cone of candidate c. */
+/* edge := edge k of the cone of contact c. */
 static void farkas_edge(const dls_contact *problem, int c, int k, double edge[3]) {
   const double mu = problem->mu[c], a = 2 * 3.141592653589793 / round_edges * k;
   edge[0] = 1;

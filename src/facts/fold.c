@@ -1,40 +1,38 @@
 /*
- * fold.c: the least friction at which the solution folds: where the matrix of some states of the
- * candidates becomes singular; d = 2, W positive definite.
+ * fold.c: the least friction at which the solution folds: at which the matrix of some states of the
+ * contacts becomes singular; d = 2, W positive definite.
  *
- * W stands for the scaled matrix D^-1/2 W D^-1/2 (diagnose.c), mu_c for lambda times shares s_c,
- * the largest of them 1. With candidates K that stick, S that slip to the sides e_c = +-1, and the
- * others free, the unknowns are r_n and r_t of K and r_n of S, the equations u_n = 0 of both and
- * u_t = 0 of K:
+ * Here W is the scaled matrix D^-1/2 W D^-1/2 (diagnose.c), and mu_c is lambda times s_c, the
+ * largest s_c being 1. If contacts K stick, S slip to the sides e_c = +-1, and the others are free,
+ * the unknowns are r_n and r_t of K and r_n of S, the equations u_n = 0 of both and u_t = 0 of K:
  *
  *   (FO1)  (A + lambda B) y = 0,  A = W on the rows and columns of the unknowns,
- *          B = its columns t of S times e_c s_c, in the place of the columns n of S
+ *          B = its columns t of S times e_c s_c, in place of the columns n of S
  *
  * W is positive definite, so that A is regular. With X = A^-1 B and E its rows of S,
  *
  *   (FO2)  lambda = -1 / g for the real eigenvalues g < 0 of E; y = X z for E z = g z
  *
- * Other sides are other signs of the columns of E, all of them reversed turn g into -g: the least
- * lambda over both is 1 / max |g|.
+ * Other sides change signs of the columns of E. All sides reversed turn g into -g: the least lambda
+ * over both is 1 / max |g|.
  *
  * For lambda = 0 all determinants are positive. As long as they are, the map from (r, u) in their
- * states to q, piecewise linear, is one to one and onto, so that each q has one solution
- * (Scholtes, Introduction to piecewise differentiable equations, 2012, coherent orientation). Where
- * one determinant changes its sign, it is not, and there are q with several.
+ * states to q, piecewise linear, is one to one and onto: each q has one solution (Scholtes,
+ * Introduction to piecewise differentiable equations, 2012, coherent orientation). When one
+ * determinant changes its sign, it is not, and some q have several solutions.
  *
- * Witness: r = 1 in the scaled normals, u = 1 off the contact and against the slip, all states held
- * strictly; q = u - W r. A short way along y nothing but these u changes: another solution.
+ * Witness: r = 1 in the scaled normals, u = 1 off the contact and against the slip, so that all
+ * states hold strictly; q = u - W r. A short step along y changes only these u: another solution.
  *
- * Beyond DLS_STATES_MAX candidates (FO3): from a start, all candidates slipping to one side, then
- * random ones, the state of one candidate is changed wherever that raises max |g|, until nothing
- * does.
+ * Beyond DLS_STATES_MAX contacts (FO3): start with all contacts slipping to one side, then from
+ * random states. Change the state of one contact as long as that raises max |g|.
  *
  * Source: Hassani, Hild, Ionescu, Sufficient conditions of non-uniqueness for the Coulomb friction
- * problem, Math. Methods Appl. Sci. 27 (2004) 47-67: the eigenvalue problem of a state; here the
- * states are looked for, too.
+ * problem, Math. Methods Appl. Sci. 27 (2004) 47-67: the eigenvalue problem of one choice of
+ * states. This file also searches the states.
  *
  * Cost: 4^nc / 2 eigenvalue problems of up to nc rows; in (FO3) up to 1e8 / nc^3, at least 30 nc.
- * What can fail: (FO3) misses the states of the fold, and says too much.
+ * What can fail: (FO3) misses the states of the fold, and returns too large a friction.
  */
 #include <float.h>
 #include <math.h>
@@ -48,9 +46,9 @@
 #include "vi/states_matrix.h"
 
 enum { starts = 200 };            /* (FO3) */
-enum { least_rounds = 30 };       /* (FO3): changes of each candidate, however many there are */
+enum { least_rounds = 30 };       /* (FO3): changes of each contact, at least */
 static const double effort = 1e8; /* (FO3): 4e9 / 40 */
-static const double rise = 1e-9;  /* of max |g|, that is more than rounding */
+static const double rise = 1e-9;  /* of max |g|: more than rounding */
 
 typedef enum fold_state { FOLD_FREE, FOLD_STICK, FOLD_UP, FOLD_DOWN } fold_state;
 
@@ -98,8 +96,8 @@ static int fold_condense(fold_search *f, const fold_state *state, int *slipping)
   return k;
 }
 
-/* Returns the real eigenvalue g of (FO2) that is largest in size, 0 if there is none; z (|S|, or
- * NULL) := its vector. */
+/* Returns the real eigenvalue g of (FO2) with the largest |g|, 0 if there is none; z (|S|, or NULL)
+ * := its vector. */
 static double fold_eigenvalue(fold_search *f, const fold_state *state, int k, int s, double *z) {
   const int room = 8 * f->nc;
   int info, at = -1;
@@ -127,7 +125,7 @@ static void fold_offer(fold_search *f, const fold_state *state, double value) {
 
 /* ---- all states ------------------------------------------------------------------------------ */
 
-/* Looks at all sides of the candidates that slip; the first of them keeps its own. */
+/* Tries all sides of the contacts that slip; the first of them keeps its side. */
 static void fold_all_sides(fold_search *f) {
   int s;
   const int k = fold_condense(f, f->state, &s);
@@ -160,7 +158,7 @@ static double fold_value(fold_search *f, const fold_state *state) {
   return k ? fabs(fold_eigenvalue(f, state, k, s, NULL)) : 0;
 }
 
-/* (FO3) from f->state, while there are matrices left. */
+/* (FO3) from f->state, with at most `most` matrices. */
 static void fold_climb(fold_search *f, int most) {
   double value = fold_value(f, f->state);
   for (int c = 0, since = 0; since < f->nc && f->looked < most; c = (c + 1) % f->nc, since++) {
@@ -180,8 +178,8 @@ static void fold_climb(fold_search *f, int most) {
   fold_offer(f, f->state, value);
 }
 
-/* Sets start number `start`: all slip to one side, the two halves to two, then random states: any
- * with the same chance, or nearly all slipping. */
+/* Sets start number `start`: all slip to one side, then the halves to two sides, then random
+ * states: equally likely ones, or nearly all slipping. */
 static void fold_start(fold_search *f, int start, uint32_t *seed) {
   for (int c = 0; c < f->nc; c++) {
     *seed = *seed * 1664525u + 1013904223u;
@@ -297,7 +295,7 @@ static void fold_carve(void *search, dlsi_arena *arena) {
   f->branch = dlsi_take(arena, n, sizeof *f->branch);
 }
 
-/* Hands out the best states and the witness. scratch: 4 m. */
+/* Writes the best states and the witness to the caller's arrays. scratch: 4 m. */
 static void fold_hand_over(fold_search *f, double friction, dls_contact_state *state, double *q,
                            double *r, double *other, double *scratch) {
   const size_t m = 2 * (size_t)f->nc;

@@ -1,35 +1,35 @@
 /*
- * least.c: of all reactions of the same positions the least ones.
+ * least.c: the smallest of all reactions that belong to the same positions.
  *
- * Where W is singular, u = W r + q may belong to many r. With u given, the law leaves a convex set:
+ * If W is singular, u = W r + q may belong to many r. For a given u the laws leave a convex set:
  *
  *   (LS1)  W r = W r*,  r_c in K_c:   K_c = 0                       where u_n > 0
  *                                           the ray (1, -mu u_t / |u_t|)   where u_t is not 0
  *                                           the friction cone              where u = 0
  *
- * in which one r has the least |r|, |r|^2 = sum of w_c |r_c|^2: the reactions of rigid bodies on
- * springs of compliance w_c. P is the projection on all K_c, D = diag(w_c), s the force that the
- * springs would have without the laws, y = 0 at first. The proximal method of multipliers:
+ * One r of this set has the least |r|, |r|^2 = sum of w_c |r_c|^2: the reactions of rigid bodies on
+ * springs of compliance w_c. P is the projection on all K_c, D = diag(w_c), s the force of the
+ * springs without the laws, y = 0 at first. The proximal method of multipliers:
  *
  *   (LS2)  r = P(s),  s = y - D^-1 W (r - r*) / eps              then y := s, until W r = W r*
  *
- * since y stays in the range of D^-1 W and r = P(y) solves (LS1) at the end. An s of (LS2) is found
- * by Newton's method on g(z) = z - (r - r*), s = y - D^-1 W z / eps, r = P(s). With B B^T the
- * derivative of P in the scale D^1/2, and E its columns B in (SM3) of vi/states_matrix.c,
+ * as y stays in the range of D^-1 W and r = P(y) solves (LS1) at the end. Newton's method finds an
+ * s of (LS2) from g(z) = z - (r - r*), s = y - D^-1 W z / eps, r = P(s). With B B^T the derivative
+ * of P in the scale D^1/2, and E its columns B in (SM3) of vi/states_matrix.c,
  *
  *   (LS3)  (E^T W E + eps diag(w) + L) t = -E^T W g,   dz = -g - E t,   l = eps w (1/tau - 1),
  *          tau = |r_t| / |s_t| at the surface of a cone, d = 3
  *   (LS4)  z + a dz, a = 1, 1/2, ...: psi = z.W z / (2 eps) + |r|^2 / 2 + r*.W z / eps, whose
  *          gradient is W g / eps, has to fall
- *   (LS5)  before: r* := r* - E A^-1 R u in the states of u, which takes R u to rounding; after:
- *          r := P(r - E A^-1 E^T W (r - r*)), the same for W (r - r*)
+ *   (LS5)  before: r* := r* - E A^-1 R u in the states of u reduces R u to rounding; after:
+ *          r := P(r - E A^-1 E^T W (r - r*)) does the same for W (r - r*)
  *
  * A semismooth Newton method for a proximal point is that of Li, Sun and Toh (SIAM J. Optim. 28,
  * 2018, 433-458).
  *
- * Cost: 2 to 15 steps, each one Cholesky factorisation of the unknowns of contacts that carry, less
- * where none changes its branch. What can fail: positions that are so near a border of states that
- * their rounding decides; then r stays as it is.
+ * Cost: 2 to 15 steps, each one Cholesky factorisation of the unknowns of contacts that carry; less
+ * for a step that changes no branch. What can fail: positions so near a border of states that their
+ * rounding decides; then r stays unchanged.
  */
 #include "facts/least.h"
 
@@ -142,7 +142,7 @@ static void least_look(dlsi_least *work) {
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
-/* Factors the matrix of the unknowns of `at`, or keeps the factors that there are. */
+/* Factors the matrix of the unknowns of `at`, or keeps the present factors. */
 static dls_status least_factor(dlsi_least *work, dls_error *error) {
   dlsi_states_matrix *A = &work->A;
   int same = A->factors != DLSI_NO_FACTORS && A->n == work->n;
@@ -163,7 +163,7 @@ static dls_status least_correct(dlsi_least *work, double *x, dls_error *error) {
   return status;
 }
 
-/* (LS3), (LS4): a step from z. Returns 1, 0 where there is none, or an error. */
+/* (LS3), (LS4): a step from z. Returns 1, 0 if there is no step, or an error. */
 static int least_step(dlsi_least *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = least_rows(work);
@@ -190,7 +190,7 @@ static int least_step(dlsi_least *work, dls_error *error) {
   return 1;
 }
 
-/* (LS5) Takes the rows of r* in the states of u to rounding. */
+/* (LS5) Reduces the rows of r* in the states of u to rounding. */
 static dls_status least_improve(dlsi_least *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const int d = problem->d, nc = problem->nc;
@@ -222,7 +222,7 @@ static dls_status least_improve(dlsi_least *work, dls_error *error) {
   return DLS_OK;
 }
 
-/* (LS5) Takes W (r - r*) to rounding, r staying in the cones. */
+/* (LS5) Reduces W (r - r*) to rounding, with r in the cones. */
 static dls_status least_refine(dlsi_least *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = least_rows(work);
@@ -294,7 +294,7 @@ static int least_is_symmetric(dlsi_least *work) {
 }
 
 /* Sets the states of u and the directions of its slips, `close` as in dlsi_contact_touch. r* := 0
- * where a contact is free. */
+ * for free contacts. */
 static void least_choose(dlsi_least *work, double close) {
   const int d = work->problem->d;
   dlsi_contact_touch(work->problem, work->u, close, work->state);
@@ -308,8 +308,8 @@ static void least_choose(dlsi_least *work, double close) {
   }
 }
 
-/* Tries it with contacts that are within `close` of touching as touching. Returns 1 if work->r is
- * the least r, 0, or an error. */
+/* Tries the contacts within `close` of touching as touching. Returns 1 if work->r is the least r,
+ * 0, or an error. */
 static int least_try(dlsi_least *work, double close, const dls_limits *limits, double begun,
                      dls_error *error) {
   least_choose(work, close);

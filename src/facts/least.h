@@ -8,14 +8,14 @@
 typedef struct dlsi_least dlsi_least;
 
 /* *out := new workspace, W dense (blocks = 0) or with at most so many blocks. Memory: m^2 doubles,
- * or O(blocks) where that is sparse (vi/states_matrix.h), and O(m). DLS_E_MEMORY, DLS_E_SIZE. */
+ * or O(blocks) if W is sparse (vi/states_matrix.h), and O(m). DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_least_create(dlsi_least **out, int d, int nc, int blocks, dls_error *error);
 
-/* Takes r (m), an answer of `status`, DLS_OK or DLS_TO_ROUNDING, to the reactions of its positions
- * with the least sum of w_c |r_c|^2, u (m, or NULL) and the certificate with it, *done := 1. Else,
- * *done = 0, nothing is changed: W is not symmetric to 1e-10, a friction is infinite, the time of a
- * solve that began at `begun` is over, or there is no r whose certificate holds. W dense or by
- * blocks. DLS_E_MEMORY. */
+/* Replaces r (m), an answer of `status`, DLS_OK or DLS_TO_ROUNDING, by the reactions of its
+ * positions with the least sum of w_c |r_c|^2; also u (m, or NULL) and the certificate; *done := 1.
+ * Changes nothing, *done = 0, if W is not symmetric to 1e-10, a friction is infinite, the time of a
+ * solve that began at `begun` is over, or no such r is certified. W dense or by blocks.
+ * DLS_E_MEMORY. */
 dls_status dlsi_least_take(dlsi_least *work, const dls_contact *problem, const dls_limits *limits,
                            double begun, dls_status status, double *r, double *u,
                            dls_certificate *certificate, int *done, dls_error *error);

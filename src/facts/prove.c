@@ -1,5 +1,5 @@
 /*
- * prove.c: proves that one solution lies near an answer, and how near.
+ * prove.c: proves that one solution lies near an answer, and bounds the distance.
  *
  * In the states of the answer a solution has the unknowns y of vi/states_matrix.c: r_c where a
  * contact sticks, a = r_n and, d = 3, b = r.p where it slips, with t and p = t turned fixed:
@@ -9,20 +9,20 @@
  *
  *   (PR4)  |A^-1| |F(y0)| + delta |A^-1| B <= delta s,   |A^-1| B < s
  *
- * By (PR4) y - A^-1 F(y) maps the box into itself and contracts it (Krawczyk): it has one zero of
- * F. In all of the box, widened by delta s for free contacts, the inequalities of the states hold
- * strictly, so that a solution in it has these states and is that zero. The error of r is at most
- * |E| (|A^-1| |F| + delta |A^-1| B).
+ * By (PR4) y - A^-1 F(y) maps the box into itself and contracts it (Krawczyk): F has one zero in
+ * the box. In the whole box, widened by delta s for free contacts, the inequalities of the states
+ * hold strictly: a solution in it has these states and is that zero. The error of r is at most |E|
+ * (|A^-1| |F| + delta |A^-1| B).
  *
  *   (PR5)  P A = L U, Z = U^-1 L^-1 by substitution:  |P A Z - 1| <= g |L| |U| |Z|,  g = 2 (n + 4)
  *          eps (Higham 2002, 9.3 and 8.5: 3 n eps / 2 for any order of sums). With theta its
  *          largest row sum, |A^-1| v <= |Z| (|P v| + theta / (1 - theta) max |v|)
  *
- * Before, y is improved by steps -A^-1 F; where states change on the way, all starts again.
+ * First steps -A^-1 F improve y; if a step changes states, all starts again.
  *
- *   (PR7)  Where A is singular up to rounding, pivots on its diagonal choose unknowns that it
- *          determines. The others keep their values, and their equations need not hold: what
- *          they lack, at most |F| + delta B there, is taken from q.
+ *   (PR7)  If A is singular up to rounding, pivots on its diagonal choose unknowns that it
+ *          determines. The others keep their values, and their equations need not hold: their
+ *          residual, at most |F| + delta B, is subtracted from q.
  *
  * Cost: 2 n^3, no product of matrices. What can fail: contacts on a border of states; an A so
  * ill-conditioned that theta or |A^-1| B / s is near 1: from 1e12 or so on.
@@ -82,7 +82,7 @@ static void prove_improve(dlsi_prove *work, const dlsi_dense *factors) {
   dlsi_prove_laws(work);
 }
 
-/* (PR5) Z := U^-1 L^-1. L^-1 is lower triangular: its columns from j on need rows from j on. */
+/* (PR5) Z := U^-1 L^-1. L^-1 is lower triangular: its columns from j on need only those rows. */
 static void prove_invert(dlsi_prove *work) {
   const int n = work->n, alone = dlsi_is_small((size_t)n * (size_t)n);
   double *Z = work->Z.J, *LU = work->J.J;
@@ -124,7 +124,7 @@ static double prove_theta(dlsi_prove *work) {
   return 2 * (n + 4) * DBL_EPSILON * dlsi_max_abs(work->g, (size_t)n) * work->up;
 }
 
-/* (PR5) y (n) := |A^-1| v, not less. */
+/* (PR5) y (n) := an upper bound of |A^-1| v. */
 static void prove_solve(dlsi_prove *work, double theta, const double *v, double *y) {
   const size_t n = (size_t)work->n;
   const double more = theta / (1 - theta) * dlsi_max_abs(v, n) * work->up;
@@ -142,8 +142,8 @@ static void prove_solve(dlsi_prove *work, double theta, const double *v, double 
 
 /* ---- the proof ------------------------------------------------------------------------------- */
 
-/* (PR4) for the unknowns in use. Returns the delta that it holds for, with v := the bound on
- * |y* - y|; 0: for none. */
+/* (PR4) for the unknowns in use. Returns the delta for which it holds, with v := the bound on |y* -
+ * y|; 0 for none. */
 static double prove_contraction(dlsi_prove *work) {
   const size_t n = (size_t)work->n;
   double least = 0;
@@ -169,7 +169,7 @@ static double prove_contraction(dlsi_prove *work) {
   return 0;
 }
 
-/* Tries to prove the point that r and its states lead to. */
+/* Tries to prove a solution near the point given by r and its states. */
 static dls_status prove_try(dlsi_prove *work, dls_proof *proof, dls_error *error) {
   dls_status status = dlsi_room_dense(&work->J, (size_t)work->all, error);
   if (!status) status = dlsi_room_dense(&work->Z, (size_t)work->n, error);
@@ -193,7 +193,7 @@ static dls_status prove_try(dlsi_prove *work, dls_proof *proof, dls_error *error
   return DLS_OK;
 }
 
-/* Sets the states of r. Returns 1 if one is another than before. */
+/* Sets the states of r. Returns 1 if a state has changed. */
 static int prove_choose(dlsi_prove *work) {
   const dls_contact *problem = work->problem;
   const int d = problem->d;
@@ -246,7 +246,7 @@ static int pivot_diagonal(int n, double *A, double least, int *order) {
   return n;
 }
 
-/* (PR7) Takes the unknowns that A determines. Returns 0 if these are all of them, or none. */
+/* (PR7) Selects the unknowns that A determines. Returns 0 if these are all of them, or none. */
 static dls_status prove_reduce(dlsi_prove *work, int *reduced, dls_error *error) {
   const size_t n = (size_t)work->all;
   *reduced = 0;

@@ -1,4 +1,4 @@
-/* prove.h: what the files of a proof share: prove.c has the formulas. */
+/* prove.h: what the files of a proof share. prove.c has the formulas. */
 #ifndef DLSI_PROVE_H
 #define DLSI_PROVE_H
 
@@ -9,7 +9,7 @@
 typedef struct dlsi_prove {
   const dls_contact *problem;
   int n, all;              /* unknowns in use; with those of (PR7) that keep their values */
-  double up;               /* 1 + what the rounding of a sum of positive numbers takes */
+  double up;               /* 1 + the relative rounding of a sum of positive numbers */
   double *w, *weights, *s; /* nc: the unit of y; 2 nc: of the certificate; nc: 1 / w */
   double *r, *given;
   double *b;                      /* nc */
@@ -32,17 +32,17 @@ void dlsi_prove_positions(dlsi_prove *work);
 /* (PR2) F := the laws, v := |F| with the error of u; both of the n unknowns in use. */
 void dlsi_prove_laws(dlsi_prove *work);
 
-/* (PR3) B, and h, extra, Wh, We of this box; 0 where B is not known. z: scratch. */
+/* (PR3) B, and h, extra, Wh, We of this box. Returns 0 if B is not known. z: scratch. */
 int dlsi_prove_slopes(dlsi_prove *work, double delta);
 
-/* Counts the contacts whose inequalities fail somewhere in the box of the last slopes; notes the
+/* Counts the contacts whose inequalities fail somewhere in the box of the last slopes; records the
  * first. h, Wh: lost. */
 void dlsi_prove_states(dlsi_prove *work, double delta, dls_proof *proof);
 
 /* Fills the radii from v, bounds on |y* - y|; radius_u from all of the box. After the states. */
 void dlsi_prove_radii(dlsi_prove *work, double delta, dls_proof *proof);
 
-/* Returns what the equations that do not count lack, over the largest |q| (PR7). After the
+/* Returns the residual of the equations that do not count, over the largest |q| (PR7). After the
  * slopes. */
 double dlsi_prove_lack(dlsi_prove *work, double delta);
 

@@ -2,8 +2,8 @@
  * prove_box.c: bounds on the laws and their slopes in a box of reactions, for prove.c.
  *
  *   (PR1)  r_t = x t + b p,   x = (mu^2 a^2 - b^2)^1/2          on the cone
- *   (PR2)  F = 0:  u where it sticks;  u_n and, d = 3, p.u - (b / x) t.u where it slips
- *   (PR3)  F is A y + c but for b / x and x; in the box |y - y0| <= delta s, the rounding of A
+ *   (PR2)  F = 0:  u if it sticks;  u_n and, d = 3, p.u - (b / x) t.u if it slips
+ *   (PR3)  F is A y + c except for b / x and x; in the box |y - y0| <= delta s, the rounding of A
  *          included, |F'(y) - A| s <= B(delta)
  *   (PR6)  u = W r + q in extended precision: |error| <= (m + 8) eps (|W| |r| + |q|), and |W|
  *          times the rounding of (PR1)
@@ -63,7 +63,7 @@ static void prove_multiply(const dls_contact *problem, const double *x, long dou
   }
 }
 
-/* y (m) := |W| x, x >= 0, not less. */
+/* y (m) := an upper bound of |W| x, x >= 0. */
 static void prove_bound(const dlsi_prove *work, const double *x, double *y) {
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   memset(y, 0, m * sizeof *y);
@@ -91,8 +91,8 @@ void dlsi_prove_positions(dlsi_prove *work) {
   }
 }
 
-/* Returns b / x where contact c slips, d = 3, with |b| and x anywhere within delta s: the largest
- * one; *x := the least x. */
+/* Returns the largest b / x of a contact c that slips, d = 3, for |b| and x within delta s; *x :=
+ * the least x. */
 static double prove_turn(const dlsi_prove *work, int c, double delta, double *x) {
   const double mu = work->branch[c].mu, s = delta * work->s[c];
   const double a = work->r[work->problem->d * c], b = fabs(work->b[c]) + s;
@@ -130,7 +130,7 @@ void dlsi_prove_laws(dlsi_prove *work) {
 /* ---- the box --------------------------------------------------------------------------------- */
 
 /* h := |E| y, extra := |E' - E| y and the rounding of A over W, for E' anywhere in the box; y: of
- * all unknowns. Returns 0 where a slip turns too far. */
+ * all unknowns. Returns 0 if a slip turns too far. */
 static int prove_spread(dlsi_prove *work, double delta, const double *y) {
   const int d = work->problem->d;
   double x;
@@ -157,7 +157,7 @@ static int prove_spread(dlsi_prove *work, double delta, const double *y) {
   return 1;
 }
 
-/* (PR3) B; 0 where it is not known. z: scratch. */
+/* (PR3) B. Returns 0 if it is not known. z: scratch. */
 int dlsi_prove_slopes(dlsi_prove *work, double delta) {
   const int d = work->problem->d, nc = work->problem->nc;
   double *s = work->z, *B = work->v2, x;
@@ -195,7 +195,7 @@ int dlsi_prove_slopes(dlsi_prove *work, double delta) {
   return 1;
 }
 
-/* Counts the contacts whose inequalities fail somewhere in the box; notes the first. */
+/* Counts the contacts whose inequalities fail somewhere in the box; records the first. */
 void dlsi_prove_states(dlsi_prove *work, double delta, dls_proof *proof) {
   const dls_contact *problem = work->problem;
   const int d = problem->d, nc = problem->nc;
@@ -255,7 +255,7 @@ void dlsi_prove_radii(dlsi_prove *work, double delta, dls_proof *proof) {
   proof->error = given > 0 ? (dlsi_norm2(work->extra, m) + radius) / given * work->up : 0;
 }
 
-/* Returns what the equations that do not count lack, over the largest |q| (PR7). */
+/* Returns the residual of the equations that do not count, over the largest |q| (PR7). */
 double dlsi_prove_lack(dlsi_prove *work, double delta) {
   double most = 0, lack = 0;
   for (int i = 0; i < work->problem->d * work->problem->nc; i++)

@@ -16,6 +16,11 @@
  *          1e-8 |q| and more 1e-5 |q| or |F|, count as stick
  *   (SN5)  where that step takes contacts out of their cones, once more from there, these on their
  *          cones and slipping
+ *   (SN6)  W of more than 60 rows may hide an error if it has few large eigenvalues:
+ *          (tr S)^2 / |S|^2 < max(12, m / 16), S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the
+ *          weights of the certificate. For k equal eigenvalues and no others the left side is k;
+ *          two bodies on soft springs have 12. The error of ordinary elastic bodies is 1 to 100
+ *          times their residual
  *
  * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail:
  * states that change between r and r*, candidates on the border of two: then A holds on one side
@@ -35,8 +40,9 @@
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
 
-static const double within = 1000, small_u = 1e-5; /* (SN4) */
-enum { prediction_turns = 3 };                     /* (SN5) */
+static const double within = 1000, small_u = 1e-5;               /* (SN4) */
+enum { prediction_turns = 3 };                                   /* (SN5) */
+static const double few_directions = 12, rows_of_direction = 16; /* (SN6) */
 
 typedef struct sensitivity_work {
   const dls_contact *problem;
@@ -158,6 +164,34 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 }
 
 /* ---- prediction ------------------------------------------------------------------------------ */
+
+/* Adds the entries of a d x d block of rows b and columns c of W, by their weights w (2 nc). */
+static void add_block(size_t d, const double *w, int b, int c, const double *block, size_t ld,
+                      double *trace, double *square) {
+  for (size_t j = 0; j < d; j++)
+    for (size_t i = 0; i < d; i++) {
+      const double x = block[i + ld * j], of_row = w[2 * b + (i > 0)];
+      *square += x * x / (of_row * w[2 * c + (j > 0)]);
+      if (b == c && i == j) *trace += x / of_row;
+    }
+}
+
+int dlsi_may_hide_error(const dls_contact *problem, const double *w) {
+  const size_t d = (size_t)problem->d;
+  const int nc = problem->nc;
+  if (d * (size_t)nc <= dlsi_predicted_of_blocks) return 1;
+  const dls_blocks *W = &problem->Wb;
+  double trace = 0, square = 0;
+  for (int b = 0; b < nc && problem->W.a; b++)
+    for (int c = 0; c < nc; c++) {
+      const size_t ld = (size_t)problem->W.ld, at = d * ((size_t)b + ld * (size_t)c);
+      add_block(d, w, b, c, problem->W.a + at, ld, &trace, &square);
+    }
+  for (int b = 0; b < nc && !problem->W.a; b++)
+    for (int k = W->p[b]; k < W->p[b + 1]; k++)
+      add_block(d, w, b, W->i[k], W->x + d * d * (size_t)k, d, &trace, &square);
+  return !(trace * trace >= fmax(few_directions, (double)d * nc / rows_of_direction) * square);
+}
 
 /* Returns 0 where a pivot of the factors is the rounding of the largest one. */
 static int prediction_is_regular(const dlsi_dense *f) {

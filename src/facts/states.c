@@ -1,24 +1,23 @@
 /*
- * states.c: all states of a small contact problem, d = 2, one after the other: a solution, or all
- * of them.
+ * states.c: tries all states of a small contact problem, d = 2: finds a solution, or all solutions.
  *
- * A candidate is free, sticks, or slips in one of two directions (one for mu = 0). With the states
- * chosen, what is left of the laws are linear equations for numbers that must not be negative:
+ * A contact is free, sticks, or slips in one of two directions (one for mu = 0). For chosen states
+ * the laws become linear equations for numbers that must not be negative:
  *
  *   (ST1)  free    r = 0                                     u_n = x0
  *          stick   r = (x0 + x1) / 2, mu (x0 - x1) / 2       u = 0            edges of the cone
  *          slip s  r = (x0, s mu x0), s = 1 or -1            u = (0, -s x1)
- *   (ST2)  C x = q,  x >= 0:  u = W r + q, without the tangential rows of those that are free
+ *   (ST2)  C x = q,  x >= 0:  u = W r + q, without the tangential rows of free contacts
  *
  * One phase of the simplex method finds an x or shows that there is none, to 1e-10
- * (lcp/enumerate.c). If no states have one the problem has no solution, as far as rounding can
- * tell. All solutions are the union of the polyhedra (ST2) of all states:
+ * (lcp/enumerate.c). If no states have an x, the problem has no solution, as far as rounding can
+ * show. All solutions are the union of the polyhedra (ST2) of all states:
  *
- *   (ST3)  u follows from r, and x from both, so that a polyhedron of dimension 0 is one r, and one
- *          of larger dimension holds several r. The u_t of a free candidate is no unknown.
- *   (ST4)  Two polyhedra meet where an x has only the unknowns that both their states have: with
- *          free beside slip u_t alone, beside stick none, slip beside stick one edge. Connected
- *          polyhedra are one set of solutions.
+ *   (ST3)  u follows from r, and x from both: a polyhedron of dimension 0 is one r, a larger one
+ *          holds several r. The u_t of a free contact is no unknown.
+ *   (ST4)  Two polyhedra meet if an x has only the unknowns that both their states have: free and
+ *          slip share u_t, free and stick none, slip and stick one edge. Connected polyhedra are
+ *          one set of solutions.
  *   (ST5)  No solution: for each choice of states a y with y.C <= 0 and y.q > 0, exactly for the
  *          numbers of W, q and mu, in the rows of the user's problem.
  *
@@ -43,14 +42,14 @@ static const double same_solution =
 
 typedef enum state { FREE, STICK, SLIP_LEFT, SLIP_RIGHT } state;
 
-/* Unknowns of a candidate: u_n, r on the edges (1, mu) and (1, -mu), u_t > 0, u_t < 0. */
+/* Unknowns of a contact: u_n, r on the edges (1, mu) and (1, -mu), u_t > 0, u_t < 0. */
 enum { GAP = 1, EDGE_UP = 2, EDGE_DOWN = 4, TO_LEFT = 8, TO_RIGHT = 16, unknown_kinds = 5 };
 static const int unknowns_of[] = {[FREE] = GAP,
                                   [STICK] = EDGE_UP | EDGE_DOWN,
                                   [SLIP_LEFT] = EDGE_DOWN | TO_LEFT,
                                   [SLIP_RIGHT] = EDGE_UP | TO_RIGHT};
 
-/* The problem in scaled unknowns: W_ij / sqrt(w_i w_j), q / sqrt(w), its largest entry being 1. */
+/* The problem in scaled unknowns: W_ij / sqrt(w_i w_j), q / sqrt(w), with largest entry 1. */
 typedef struct states {
   int nc;
   double W[most_rows][most_rows], q[most_rows], mu[dlsi_most_states];
@@ -91,7 +90,7 @@ typedef struct equations {
   double C[most_rows * (most_rows + 1)];     /* (C | q) by rows */
 } equations;
 
-/* Returns the unknowns that both states have (ST4), and whether the tangential row counts. */
+/* Returns the unknowns that both states have (ST4); *tangential: 1 if the tangential row counts. */
 static int states_unknowns(double mu, state a, state b, int *tangential) {
   const int free_a = a == FREE && a != b, free_b = b == FREE && a != b;
   *tangential = mu > 0 && (a != FREE || b != FREE);
@@ -140,7 +139,7 @@ static double states_reaction(const states *s, const equations *e, int k, int j)
   return s->unit[c] * (k % 2 == 0 ? 1 : edge == EDGE_UP ? s->mu[c] : -s->mu[c]);
 }
 
-/* Solves (ST2). Returns 1 with r (m), 0 if there is none, -1 if rounding does not tell. */
+/* Solves (ST2). Returns 1 with r (m), 0 if there is none, -1 if rounding leaves it open. */
 static int states_solve(const states *s, equations *e, double *r) {
   double x[most_rows];
   states_equations(s, s->state, s->state, e);
@@ -178,7 +177,7 @@ int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limit
     dls_certificate now;
     const int found = states_solve(&s, &e, r);
     if (dlsi_clock_is_over(limits, begun)) return -1;
-    if (found) result = -1; /* unless it is as good as certified, rounding has the say */
+    if (found) result = -1; /* rounding decides, unless r is nearly certified */
     if (found < 1 || dls_contact_certify(problem, r, NULL, &now, NULL)) continue;
     if (dlsi_is_better(&now, certificate)) {
       *certificate = now;
@@ -239,8 +238,8 @@ static void pieces_join(pieces *p) {
   }
 }
 
-/* Takes the polyhedron of the states s into the list if its vertex r is certified. Returns 0 if
- * not, 1 if it is; < 0: DLS_E_MEMORY. *hidden := 1 if rounding does not tell. */
+/* Adds the polyhedron of the states s to the list if its vertex r is certified. Returns 0 if not, 1
+ * if it is; < 0: DLS_E_MEMORY. *hidden := 1 if rounding leaves it open. */
 static int pieces_take(pieces *p, const equations *e, const double *r, int *hidden) {
   const int m = 2 * p->s.nc, n = e->n;
   dls_certificate now;
@@ -301,13 +300,13 @@ static int pieces_write(const pieces *p, int first, int continuum, int at, int c
 
 /* ---- no solution ----------------------------------------------------------------------------- */
 
-/* The states whose emptiness a y is to show. */
+/* The states that a y has to show empty. */
 typedef struct refutation {
   const dls_contact *problem;
   const equations *e;
 } refutation;
 
-/* Returns the sign of sum_i y_i (W r)_i for r = (1, side mu) at candidate c, without rounding. */
+/* Returns the sign of sum_i y_i (W r)_i for r = (1, side mu) at contact c, without rounding. */
 static int refutation_edge(const refutation *f, int c, double side, const double *y) {
   const dls_contact *p = f->problem;
   const dlsi_block_column W = dlsi_contact_column(p, (size_t)c);
@@ -371,8 +370,8 @@ static int states_refute(const dls_contact *problem, states *s) {
   return 1;
 }
 
-/* *status := DLS_NO_SOLUTION if there is a proof, (ST5) or the one that Lemke's method finds where
- * even u_n >= 0 cannot be, else DLS_NO_SOLUTION_LIKELY. Returns DLS_OK, or DLS_E_MEMORY. */
+/* *status := DLS_NO_SOLUTION with a proof: (ST5), or that of Lemke's method if even u_n >= 0 is
+ * impossible. Else DLS_NO_SOLUTION_LIKELY. Returns DLS_OK, or DLS_E_MEMORY. */
 static dls_status states_prove(const dls_contact *problem, states *s, dls_status *status,
                                dls_error *error) {
   double r[most_rows];

@@ -1,9 +1,9 @@
 /*
  * assemble.c: assembles stiffness and mass of a mesh, dense and sparse; edge loads; stress.
  *
- * Sparse: the entries of all elements go to columns in the order of the elements, a transposition
- * sorts the rows (the matrix is its own transpose, entry by entry), and entries of the same place,
- * which then stand side by side, are summed. O(entries) time, three times their memory.
+ * Sparse: the entries of all elements go to columns in the order of the elements. A transposition
+ * sorts the rows (the matrix is its own transpose, entry by entry). Then entries of the same place
+ * stand side by side and are summed. O(entries) time, three times their memory.
  */
 #include <float.h>
 #include <limits.h>
@@ -51,7 +51,7 @@ static dls_status assemble_check(const dls_fe_mesh *mesh, double E, double nu, d
   return dlsi_check_each(2, material, error);
 }
 
-/* Computes the matrix of element e, 2c x 2c column-major. Of a mass all entries that join x to y
+/* Computes the matrix of element e, 2c x 2c column-major. Of a mass all entries that couple x and y
  * are 0. */
 static void assemble_element(const assembly *a, int e, double *k) {
   const int c = dlsi_fe_corners(a->mesh), ld = 2 * c;
@@ -136,7 +136,7 @@ static int assemble_rows(const assembly *a, int e, int row[most_unknowns]) {
   return count;
 }
 
-/* Says which entries of an element's matrix belong to the pattern. */
+/* Returns 1 if entry (i, j) of an element's matrix belongs to the pattern. */
 static int assemble_has(const assembly *a, int i, int j) {
   if (!a->mass) return 1;
   return a->lumped ? i == j : i % 2 == j % 2;
@@ -327,8 +327,8 @@ dls_status dls_fe_material_gradient(const dls_fe_mesh *mesh, double E, double nu
 
 /* ---- edge loads, stress ---------------------------------------------------------------------- */
 
-/* Checks the arguments of dls_fe_edge_load, which is called edge by edge: it looks at the two
- * nodes, not at the whole mesh. *half := half of the edge's length. */
+/* Checks the arguments of dls_fe_edge_load, which is called edge by edge: checks only the two
+ * nodes, not the whole mesh. *half := half of the edge's length. */
 static dls_status edge_check(const dls_fe_mesh *mesh, int a, int b, double tx, double ty,
                              const double *f, double *half, dls_error *error) {
   if (!mesh) return dlsi_is_null(error, "mesh");

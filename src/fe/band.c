@@ -1,9 +1,9 @@
 /*
  * band.c: assembles, supports, factors and solves banded matrices in LAPACK's storage.
  *
- * Entry (i, j), |i - j| <= k, stands at a[2k + i - j + (3k + 1) j]; the first k rows are room for
- * the fill of row exchanges. Prescribed unknowns stay in the matrix as decoupled rows: numbering
- * and storage are made once.
+ * Entry (i, j), |i - j| <= k, is at a[2k + i - j + (3k + 1) j]; the first k rows are room for the
+ * fill of row exchanges. Prescribed unknowns stay in the matrix as decoupled rows: numbering and
+ * storage are made once.
  * Cost of the LU: 4 n k^2 operations at most, of a solve: 6 n k. What can fail: a singular matrix.
  */
 #include <math.h>

@@ -2,7 +2,7 @@
  * forming.c: runs the loops of a step of [Chabrand 1998] Table 1.
  *
  *   loading loop: forming_step.c                                                           (FO1)
- *     x := x0 and the last step's displacement once more, r := r0                            (FO2)
+ *     x := x0 plus the displacement of the last step, r := r0                                (FO2)
  *     contact loop: frames n, t and gaps at x; augmented Lagrangian: multipliers := r        (FO3)
  *       equilibrium loop, frames frozen:
  *         dx, r' of the linearised contact problem (forming_contact.c)                       (FO4)
@@ -13,15 +13,15 @@
  *
  *   u_n = gap + n.(x - anchor),   u_t = t.(x - x0 - motion of the obstacle since load0)      (FO7)
  *
- * Where the last obstacle is a plane that moves, the ram, the loop ends with a look at the nodes of
- * the boundary: those beyond the plane are taken along from now on, a support of y; those that the
- * plane would pull are let go; with a change the loop goes on                              (FO9)
+ * If the last obstacle is a moving plane, the ram, the loop ends with a check of the nodes of the
+ * boundary. Nodes beyond the plane are held by it from now on, a support of y; nodes that the plane
+ * would pull are released. After a change the loop goes on                                 (FO9)
  *
- * Laws hold if the certificate of contact.h does for each candidate with the others frozen,
- * W_cc = 2 / trace(K_cc), as in primal.h. (FO5) halves s while an element is inside out or, three
- * times at most, while the forces out of balance grow; seven times in the second way of auto: where
- * guesses of stick, slip and yield alternate, other cuts lead out of the circle. While supports are
- * still on their way the forces may grow: the way starts out of contact.
+ * Laws hold if the certificate of contact.h holds for each contact with the others frozen,
+ * W_cc = 2 / trace(K_cc), as in primal.h. (FO5) halves s while an element is inside out, or, at
+ * most three times, while the forces out of balance grow. The second method of auto halves up to
+ * seven times: if guesses of stick, slip and yield alternate, other cuts may end the cycle. While
+ * supports still move the forces may grow: the path starts out of contact.
  *
  * Deviation. The paper neglects the variation of the frames, the second part of (26). The contact
  * loop then oscillates without end when a heavily loaded node passes the rounded corner of the die:
@@ -29,12 +29,12 @@
  * a plastic body is soft along the surface. Here the equilibrium loop rotates the reactions with
  * the node, to first order,
  *
- *   H r + b t t.(x - anchor),   b = curvature r_n of the pass before                         (FO8)
+ *   H r + b t t.(x - anchor),   b = curvature r_n of the previous pass                       (FO8)
  *
  * The rotation vanishes at the end of the contact loop, where anchor = x. The term of r_t is left
- * out. What can fail: a step that is too large for the loops, DLS_STALLED. Halves of a step are
- * another load path, and plastic answers depend on the path. If Newton's method does not contract,
- * rounding decides which steps are halved, and answers of two machines may differ by percents.
+ * out. What can fail: a step that is too large for the loops, DLS_STALLED. Half steps are another
+ * load path, and plastic answers depend on the path. If Newton's method does not contract, rounding
+ * decides which steps are halved, and answers of two machines may differ by percents.
  */
 #include <math.h>
 #include <string.h>
@@ -140,8 +140,8 @@ static void forming_set_positions(dls_forming *f) { /* (FO7) */
   }
 }
 
-/* Certifies r. Open candidates without reaction obey the laws to the last bit; their gaps, which
- * may be large, are left out of |q|. */
+/* Certifies r. Open contacts without reaction obey the laws to the last bit. Their gaps, which may
+ * be large, do not count in |q|. */
 static dls_status forming_certify(dls_forming *f, dls_error *error) {
   int count = 0;
   for (int c = 0; c < f->nc; c++) {
@@ -165,8 +165,8 @@ static dls_status forming_certify(dls_forming *f, dls_error *error) {
 }
 
 /* Returns |sum of F - H r over the free unknowns| over the sum of |H r|, by components that have to
- * balance: internal forces add up to zero, so that this is what tools and supports leave over. The
- * norm of F - H r does not bound it by itself. Reads rhs of forming_imbalance. */
+ * balance. Internal forces add up to zero: this is the error of tools and supports. The norm of F -
+ * H r does not bound it. Reads rhs of forming_imbalance. */
 static double forming_net_force(const dls_forming *f) {
   double net[2] = {0}, size = 0;
   for (int i = f->axisymmetric; i < f->n; i += 1 + f->axisymmetric) {
@@ -181,7 +181,7 @@ static double forming_net_force(const dls_forming *f) {
 static int forming_balanced(dls_forming *f) {
   f->data.equilibrium = forming_equilibrium(f);
   const double tol = f->settings.tol;
-  /* sweeps leave long waves, whose sum is checked at the end of the step only */
+  /* sweeps leave long waves: their sum is checked only at the end of the step */
   const int sweeps = f->settings.contact == DLS_FORMING_GAUSS_SEIDEL;
   return f->data.equilibrium <= tol && (sweeps || forming_net_force(f) <= tol);
 }
@@ -200,7 +200,7 @@ static int forming_holds(dls_forming *f, dls_error *error) {
 
 /* ---- loops ----------------------------------------------------------------------------------- */
 
-/* (x, r) := the start of the Newton step plus a part s of the step. */
+/* (x, r) := the start of the Newton step plus s times the step. */
 static void forming_move(dls_forming *f, double s) {
   for (int i = 0; i < f->n; i++)
     f->x[i] = f->start_x[i] + s * f->dx[i];
@@ -217,7 +217,7 @@ static int forming_acceptable(dls_forming *f, double before, int grow) {
 }
 
 /* Runs the equilibrium loop.
- *   away: in and out, part of the way that supports, and reactions of springs, still have to go */
+ *   away: in and out, fraction of the travel of supports and reactions of springs still to go */
 static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *error) {
   const int springs = dlsi_forming_springs(f);
   const int patient = f->way == DLS_FORMING_ON_W;
@@ -278,8 +278,8 @@ int dlsi_forming_worst_node(const dls_forming *f) {
   return worst;
 }
 
-/* Takes along what has met the moving plane and lets go what the plane would pull; returns 1 if a
- * node has changed. */
+/* Holds the nodes that have met the moving plane and releases those that the plane would pull;
+ * returns 1 if a node has changed. */
 static int forming_renew_holds(dls_forming *f) { /* (FO9) */
   int changed = 0;
   if (!f->holds) return 0;

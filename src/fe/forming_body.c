@@ -4,18 +4,18 @@
  *   (FB1)  each corner of each element: the cross product of its edges > 0; but a corner whose
  *          three nodes touch one tool may be pressed flat
  *   (FB2)  x >= low, the planes of symmetry and of support; the axis is one of them
- *   (FB3)  no node of the boundary is inside an obstacle; a candidate obeys the certificate of its
- *          obstacle instead, to which the penalty method answers with the depth of its springs
+ *   (FB3)  no node of the boundary is inside an obstacle, except contacts of that obstacle: they
+ *          obey the certificate instead (penalty method: with the depth of its springs)
  *   (FB4)  the boundary does not cross itself
  *
- * (FB1) and (FB4) together make the deformation one to one: positive corners make it so in each
- * element, a simple boundary in the whole. Equilibrium says nothing of all that: the elements only
- * look at their points, where a body may be sound that is folded at a corner.
+ * (FB1) and (FB4) together make the deformation one to one: positive corners in each element, a
+ * simple boundary in the whole. Equilibrium does not ensure that: the elements only look at their
+ * Gauss points, where an element that is folded at a corner may be sound.
  *
- * A flat corner: where friction carries the lateral surface up to the ram, its nodes come to lie on
- * the ram one after the other, and the edge of the billet with them between two neighbours. The
- * element there is a triangle with a node on its side. Its Jacobian is positive inside, and either
- * triangle of the diagonal from that corner is: as such it is written to files.
+ * A flat corner: if friction carries the lateral surface up to the ram, its nodes come to lie on
+ * the ram one after the other, and so does the edge of the billet between two neighbours. The
+ * element there is a triangle with a node on its side. Its Jacobian is positive inside, and so are
+ * both triangles of the diagonal from that corner: files hold these two triangles.
  *
  * Cost: O(elements + edges^2), far below an assembly. Lengths are compared with the size of the
  * mesh: rounding of positions passes (FB2) and (FB3).
@@ -75,7 +75,7 @@ static double body_cross(const double *a, const double *b, const double *c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* Returns the gap of a point from an obstacle where it stands now. */
+/* Returns the gap of a point from an obstacle at its present place. */
 static double body_gap(const dls_forming *f, const dlsi_rigid *rigid, const double *x) {
   const double seen[2] = {x[0] - f->load * rigid->way[0], x[1] - f->load * rigid->way[1]};
   double n[2], curvature;

@@ -5,25 +5,25 @@
  *   K dx = f + H r,  f = -F,   u' = u + H^T dx,   0 <= u'_n _|_ r_n >= 0,  |r_t| <= mu r_n, ..
  *
  * with (FO8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, with one
- * pattern. Ways:
+ * pattern. Methods:
  *
- *   condensed      LU of K, W and q by the reduction, a method of the front door; auto: only where
+ *   condensed      LU of K, W and q by the reduction, a method of the solver; auto: only if
  *                  Newton's method on K fails
  *   Gauss-Seidel   (37)-(38) on the symmetric part of K, which the method needs: Newton's method
  *                  then converges linearly, by the weight of the skew part (material.c)
  *   springs        (28)-(36): K + H D H^T, one LU for each change of branch
  *
- * The first two ways are given the candidates that carry a reaction or have no gap. A solution that
- * opens all other candidates solves the whole problem; the candidates that it closes are added
- * otherwise:
+ * The first two methods solve for the contacts that carry a reaction or have no gap. If the
+ * solution opens all other contacts, it solves the whole problem. If not, the contacts that it
+ * closes are added:
  *
  *   (FC1)  A := { r_n > 0 or u_n <= 0 }
  *   (FC2)  solve on A;  A := A + { u'_n < 0 };  again if A has grown
  *
  * Springs, in the paper's words: eps_N = eps_T = eps_c, a multiple of the stiffness of the node at
  * the start of the step; multipliers start from the reactions of the last step; penalty: lambda_n =
- * 0, and lambda_t the friction at the last step's end, to which (33) adds. The branches of springs
- * (free, stick, slip either way) are found with K frozen:
+ * 0, and lambda_t the friction at the end of the last step, to which (33) adds. The branches of
+ * springs (free, stick, slip forward or back) are found with K frozen:
  *
  *   (FC3)  the branches at u; solve; the branches at u'; again until they stay, 30 times at most
  *
@@ -136,7 +136,7 @@ static dls_status solve_gauss_seidel(dls_forming *f, dls_error *error) {
   model.Ks = K_symmetric_part(f);
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.limits.tol = f->settings.tol / 100; /* the sum of all forces is to hold, too */
+  settings.limits.tol = f->settings.tol / 100; /* the sum of all forces has to hold, too */
   settings.relaxation = f->settings.relaxation;
   settings.aitken = f->settings.aitken;
   if (f->settings.cpu_seconds > 0) settings.limits.cpu_seconds = fmax(dlsi_forming_left(f), 1e-9);
@@ -203,7 +203,7 @@ static dls_status solve_chosen(dls_forming *f, dls_error *error) {
   } while (status == DLS_OK && chosen_spread(f));
   if (status == DLS_E_NOT_FINITE || status == DLS_E_CALLBACK ||
       status == DLS_E_NOT_POSITIVE_DEFINITE)
-    return DLS_STALLED; /* K is to blame, a smaller step may do */
+    return DLS_STALLED; /* K is to blame; a smaller step may succeed */
   if (status < 0 && error) *error = why;
   return status;
 }
@@ -308,8 +308,8 @@ static void node_columns(const dls_forming *f, int i, int *first, int *last) {
   *last = i + k < n ? i + k : n - 1;
 }
 
-/* Sets up the system lu dx = rhs of (FC4). Of a node's two rows that of u'_n is the one of the
- * larger component of n. */
+/* Sets up the system lu dx = rhs of (FC4). The row of u'_n is the node's row of the larger
+ * component of n. */
 static void impose_laws(dls_forming *f) {
   dlsi_band_load(&f->band);
   memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
@@ -339,8 +339,8 @@ static void impose_laws(dls_forming *f) {
   }
 }
 
-/* next_r and lambda := r' of candidate c. u: in and out, u'; components that the branch makes zero
- * are set to 0, which takes their rounding off. */
+/* next_r and lambda := r' of contact c. u: in and out, u'; sets components that the branch makes
+ * zero to exactly 0. */
 static void recover_reaction(dls_forming *f, int c, branch on, double u[2]) {
   const int i = 2 * f->candidate[c];
   const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c;

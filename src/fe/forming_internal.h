@@ -19,7 +19,7 @@ enum { dlsi_most_pieces = 3, dlsi_most_obstacles = 2 };
 typedef struct dlsi_rigid {
   dlsi_piece piece[dlsi_most_pieces];
   dlsi_obstacle profile; /* where it stands at load 0 */
-  double way[2];         /* of the obstacle up to load 1 */
+  double way[2];         /* its displacement at load 1 */
 } dlsi_rigid;
 
 /* The candidates that a linearised problem is solved on, one after the other. */
@@ -33,12 +33,12 @@ typedef struct dlsi_chosen {
 
 enum { dlsi_most_tools = 4, dlsi_most_outline = 64 };
 
-/* The end of a step before it is taken for good. */
+/* The end of a step before it is accepted. */
 typedef struct dlsi_book {
   double force, external, friction; /* force; work of the step */
 } dlsi_book;
 
-/* A forming scene. A load is the part of the whole way that is behind, 0 to 1. n = 2 * nodes
+/* A forming scene. A load is the fraction of the whole displacement reached, 0 to 1. n = 2 * nodes
  * unknowns, supported ones included; nc candidates. */
 struct dls_forming {
   dls_forming_settings settings;
@@ -48,8 +48,8 @@ struct dls_forming {
   dlsi_solid solid;
   dlsi_rigid rigid[dlsi_most_obstacles]; /* the last one moves */
   int rigids;
-  double whole;   /* length of the way of the last obstacle */
-  int holds;      /* 1: the last obstacle is a plane y = const that takes along what it meets */
+  double whole;   /* length of the displacement of the last obstacle */
+  int holds;      /* 1: the last obstacle is a plane y = const that holds the nodes that it meets */
   double low[2];  /* planes of symmetry and of support: a body has x >= low[0], y >= low[1] */
   int *fixed;     /* n     1: supported or driven */
   double *rest;   /* n     position of a fixed unknown at load 0 */
@@ -60,26 +60,26 @@ struct dls_forming {
   double *mu;          /* nc    0 at a node that is supported along its tangent */
   int edges;
   int *edge;         /* edges  nodes of the boundary, counterclockwise */
-  int *held;         /* nodes 1: the last obstacle takes the node along */
+  int *held;         /* nodes 1: the last obstacle holds the node */
   int *held0;        /* nodes at the end of the last step */
   int *turns;        /* nodes how often the step has changed it */
   int *candidate_of; /* nodes: the candidate, -1: none */
   /* the state; names with 0: at the end of the last step */
   int step;
-  double seconds, begun; /* CPU of the steps before, and when the step began */
+  double seconds, begun; /* CPU of the previous steps, and at the start of this step */
   double load0, load;
-  dls_forming_way way;             /* by which the linearised problems are solved */
+  dls_forming_way way;             /* solves the linearised problems */
   int inside_out;                  /* element that failed last */
-  double part;                     /* load gone in the last step or part; 0 after a failure */
+  double part;                     /* load of the last step or part; 0 after a failure */
   dlsi_point *old, *now;           /* 4 * quads */
-  double *before, *x0, *x;         /* n     positions; before: one step before x0 */
+  double *before, *x0, *x;         /* n     positions; before: one step earlier than x0 */
   double *r0, *r;                  /* 2 nc  reactions (n, t) */
   double *F;                       /* n     internal forces at x */
   double elastic, plastic;         /* energy and work at x */
   double *stress;                  /* 16 * quads */
   double *plastic_strain;          /* 4 * quads */
   double *displacement, *reaction; /* n */
-  /* frames, taken with the nodes at `anchor` and frozen */
+  /* frames: taken with the nodes at `anchor`, then frozen */
   double *normal, *tangent, *anchor; /* 2 nc each */
   double *gap;                       /* nc */
   double *bend;                      /* nc    curvature r_n at the anchor */
@@ -128,16 +128,16 @@ void dlsi_forming_push(const dls_forming *f, const double *r, double *y);
 /* Holds a node on the moving plane (on = 1), or lets it go. */
 void dlsi_forming_hold(dls_forming *f, int node, int on);
 
-/* Returns the friction on a candidate whose node is held, which nothing moves by; else 0. */
+/* Returns the friction on a contact whose node is held (nothing moves by it), else 0. */
 double dlsi_forming_held_friction(const dls_forming *f, int c);
 
 /* Returns the node of the largest force out of balance. */
 int dlsi_forming_worst_node(const dls_forming *f);
 
-/* Runs the contact loop at f->load, from x0 and r0 in the way f->way. */
+/* Runs the contact loop at f->load, from x0 and r0, by the method f->way. */
 dls_status dlsi_forming_contact_loop(dls_forming *f, dls_error *error);
 
-/* Assembles and sets frames and positions at x, which could be assembled before. */
+/* Assembles and sets frames and positions at x, where assembly has succeeded before. */
 void dlsi_forming_show(dls_forming *f);
 
 /* Checks that the positions x are a body (forming_body.c); returns 0 and fills *fault if not. */
@@ -160,20 +160,20 @@ void dlsi_forming_turn(const dls_forming *f, double *y);
 
 /* Solves the linearised contact problem at x by the method of the settings: reads K, F, u and r of
  * the scene, writes dx and next_r, and overwrites K. Returns DLS_STALLED if K is singular, or not
- * positive definite where it must be; DLS_OK also where the method has stopped early. */
+ * positive definite where it must be; DLS_OK also if the method has stopped early. */
 dls_status dlsi_forming_direction(dls_forming *f, dls_error *error);
 
-/* Springs, the penalty method and the augmented Lagrangian. springs: returns 1 if contact is by
- * springs. set_springs: sets the stiffness of the springs and their first multipliers for a step.
+/* Springs, the penalty method and the augmented Lagrangian. springs: returns 1 if springs model the
+ * contact. set_springs: sets the stiffness of the springs and their first multipliers for a step.
  * augment: renews the multipliers; stays: returns 1 if they stay for the rest of the step, so that
- * the laws of the springs are all there is to solve. */
+ * only the laws of the springs are left to solve. */
 int dlsi_forming_springs(const dls_forming *f);
 void dlsi_forming_set_springs(dls_forming *f);
 void dlsi_forming_augment(dls_forming *f);
 int dlsi_forming_stays(const dls_forming *f);
 
-/* Returns the largest difference of r from the springs' reactions at u, less what rounding of the
- * positions makes of it, over the largest reaction. */
+/* Returns the largest difference of r from the springs' reactions at u, less the effect of rounding
+ * of the positions, over the largest reaction. */
 double dlsi_forming_stretch(const dls_forming *f);
 
 /* Returns the CPU seconds of the process. */
@@ -181,7 +181,7 @@ static inline double dlsi_forming_seconds(void) {
   return (double)clock() / CLOCKS_PER_SEC;
 }
 
-/* Returns what is left of settings.cpu_seconds. */
+/* Returns the rest of settings.cpu_seconds. */
 static inline double dlsi_forming_left(const dls_forming *f) {
   return f->settings.cpu_seconds - f->seconds - (dlsi_forming_seconds() - f->begun);
 }

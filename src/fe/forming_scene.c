@@ -1,6 +1,6 @@
 /*
  * forming_scene.c: builds the two scenes of [Chabrand 1998] section 5 (mm, N, MPa). The paper shows
- * supports and meshes in drawings only, read here as:
+ * supports and meshes in drawings only. This file reads them as:
  *
  *   indentation, plane strain             extrusion, axisymmetric
  *      way 10 |   rigid cylinder             | way 177.8 |
@@ -12,10 +12,10 @@
  *         u_y = 0; clamped: u_x = 0 too                  /          both at 0.5 from it
  *
  * Candidates: the nodes of the top, for the cylinder; of the lateral surface and of the front, for
- * the die. The nodes of the top, and any node of the surface that comes to the ram, are taken along
- * by it until it would have to pull (FO9); with friction at the ram, those of the top but its edge
- * are candidates of the ram instead. A candidate whose tangent is supported, at the axis or by the
- * ram, is frictionless in the contact problem: friction does not move it.
+ * the die. The ram holds the nodes of the top, and any node of the surface that meets it, until it
+ * would have to pull (FO9). With friction at the ram, the nodes of the top except its edge are
+ * candidates of the ram instead. A candidate whose tangent is supported, at the axis or by the ram,
+ * is frictionless in the contact problem: friction does not move it.
  */
 #include <float.h>
 #include <limits.h>
@@ -163,8 +163,8 @@ static dls_status forming_check(const dls_forming_settings *s, dls_error *error)
   return dlsi_check_each((int)(sizeof each / sizeof each[0]), each, error);
 }
 
-/* Replaces the settings that ask for the scene's own values; checks that the band's entries can be
- * counted in int. */
+/* Replaces the settings that stand for the scene's own values; checks that an int can count the
+ * band's entries. */
 static dls_status forming_complete(dls_forming_settings *s, const scene *chosen, dls_error *error) {
   if (!s->nx) s->nx = chosen->nx;
   if (!s->ny) s->ny = chosen->ny;
@@ -319,10 +319,10 @@ static void forming_derive(dls_forming *f) {
 enum { iterations_each = 4 }; /* of auto, for each candidate */
 
 /* Creates the solver of the condensed problems. Its tolerance is far below that of the step: q
- * holds the positions without reactions, which are far off, so that the |q| of W's certificate is
- * large. Sweeps without acceleration do not converge in the extrusion. auto gives up after about as
- * many iterations as pivoting takes: a linearised problem far from the end of Newton's method need
- * not have a solution, and another Newton step or way costs less than the search for one. */
+ * holds the positions without reactions, so that the |q| of W's certificate is large. Sweeps
+ * without acceleration do not converge in the extrusion. auto gives up after about as many
+ * iterations as pivots take: a linearised problem far from the end of Newton's method may have no
+ * solution, and another Newton step or method costs less than the search. */
 static dls_status forming_create_solver(dls_forming *f, dls_solver **out, dls_method method,
                                         dls_error *error) {
   dls_solver_settings s;

@@ -1,18 +1,18 @@
 /*
  * forming_step.c: takes the steps of a forming scene: one controller for every method.
  *
- *   (FS1)  try the part of the step from load0 to load: the loops of forming.c, in each way of the
- *          method in turn (auto: on K, on W, by Lemke's method) until one succeeds
+ *   (FS1)  try the part of the step from load0 to load: the loops of forming.c, by each variant of
+ *          the method in turn (auto: on K, on W, by Lemke's method) until one succeeds
  *   (FS2)  certify the end: a body (forming_body.c), forces that balance, energy
- *   (FS3)  with step_tol, or where the force jumps: take the part once more in two halves; if both
- *          forces agree, with step_tol the halves stay, being the better answer
- *   (FS4)  on any failure: the same for both halves of the part, six times at most; a half that has
- *          succeeded is followed by the rest in one piece, so that parts grow again
+ *   (FS3)  with step_tol, or if the force jumps: repeat the part in two halves; if both forces
+ *          agree, with step_tol the halves stay, as the better answer
+ *   (FS4)  on any failure: take both halves of it instead, six times at most; after a half that has
+ *          succeeded the rest is one piece, so that parts grow again
  *   (FS5)  states, x0, r0 := those at the end, once it is certified
  *
- * (FS2) The energy that is lost in a part, by the trapezoids of force and friction, is at most a
- * quarter of the largest of work, stored and spent. The first part is exempt: the billet starts
- * 0.011 mm inside the rounded corner of the die, and is pressed out of it before it is moved.
+ * (FS2) The energy lost in a part, by the trapezoids of force and friction, is at most a quarter of
+ * the largest of work, stored and spent. The first part is exempt: the billet starts 0.011 mm
+ * inside the rounded corner of the die, and is pressed out of it first.
  *
  * (FS3) estimates the error of a step of first order. The halves have about half of its error, so
  * that |F - F_halves| is about the error of the halves. It must be at most step_tol times the
@@ -34,13 +34,13 @@ enum { most_halvings = 6 };
 
 static const double jump_bound = 0.25;    /* of the force, over the largest so far */
 static const double jump_agreement = 0.1; /* of the step and its halves, over the jump */
-static const double balance_bound = 1e-9; /* of all forces */
+static const double balance_bound = 1e-9; /* of the sum of all forces */
 static const double energy_bound = 0.25;  /* of the step, over its largest part */
 
 /* ---- the end of a step ----------------------------------------------------------------------- */
 
 /* Fills reaction with the forces on the nodes, friction on held nodes included, and returns the
- * force against the motion: power at unit rate of load over the length of the way. */
+ * force against the motion: power at unit rate of load over the length of the path. */
 static double step_resistance(dls_forming *f) {
   double power = 0;
   for (int c = 0; c < f->nc; c++)
@@ -67,7 +67,7 @@ static void step_book(dls_forming *f) {
     b->friction -= (f->r0[2 * c + 1] + f->r[2 * c + 1]) / 2 * f->u[2 * c + 1];
 }
 
-/* Certifies the end of a step, (FS2); returns 0 and fills the fault if it is none. */
+/* Certifies the end of a step, (FS2); returns 0 and fills the fault on failure. */
 static int step_is_good(dls_forming *f) {
   const dls_forming_energy *e = &f->data.energy;
   const dlsi_book *b = &f->book;
@@ -124,13 +124,13 @@ static void step_commit(dls_forming *f) { /* (FS5) */
   f->good = *d;
 }
 
-/* Puts the nodes that are held back to the end of the last step. */
+/* Resets the nodes that are held to the end of the last step. */
 static void step_hold(dls_forming *f) {
   for (int i = 0; i < f->mesh.nodes; i++)
     if (f->held[i] != f->held0[i]) dlsi_forming_hold(f, i, f->held0[i]);
 }
 
-/* Goes back to the last good state, which the views then show, with slips of no step. */
+/* Restores the last good state, with its views, and slips of no step. */
 static void step_restore(dls_forming *f) {
   const dls_forming_data *good = &f->good;
   f->load = f->load0;
@@ -162,7 +162,7 @@ static void step_keep(dls_forming *f) {
   memcpy(f->kept_points, f->old, 4 * (size_t)f->mesh.quads * sizeof *f->old);
 }
 
-/* Goes back to the copy; what the steps since then have cost stays in the counts. */
+/* Restores the copy; the counts keep the cost of the steps since then. */
 static void step_undo(dls_forming *f) {
   const size_t n = (size_t)f->n;
   const dls_forming_data *kept = &f->kept_data;
@@ -215,14 +215,14 @@ static dls_status step_try(dls_forming *f, double load, dls_error *error) { /* (
   return status;
 }
 
-/* Returns how far the force at the end leaves its trend. */
+/* Returns how far the force at the end deviates from its trend. */
 static double step_jump(const dls_forming *f) {
   return fabs(f->book.force - f->data.force - f->slope * (f->load - f->load0));
 }
 
-/* Takes the part up to `load` that has just succeeded once more, in two halves, (FS3). Returns
- * DLS_OK if they agree; with step_tol they then are the end of the step. A jump that they confirm
- * leaves the step as it was: the path is the one that was asked for. */
+/* Repeats the part up to `load`, which has just succeeded, in two halves, (FS3). Returns DLS_OK if
+ * they agree; with step_tol they then are the end of the step. A jump that they confirm leaves the
+ * step unchanged: the path is the one that was asked for. */
 static dls_status step_compare(dls_forming *f, double load, double jump, dls_error *error) {
   const double force = f->book.force, share = load - f->load0, middle = f->load0 + share / 2;
   const double largest = fmax(f->largest, fabs(force));

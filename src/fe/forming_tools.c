@@ -1,12 +1,12 @@
 /*
- * forming_tools.c: names what presses on the body from outside, sums up its forces, and draws it.
+ * forming_tools.c: names the tools that press on the body, sums up their forces, and draws them.
  *
  *   indentation   cylinder, symmetry (support of x), floor (support of y)
  *   extrusion     container and die (one profile), ram, axis (support of x)
  *
  * A force is the sum of the reactions of the candidates and of the supports, F - H r. In an
- * axisymmetric body radial forces of a ring balance by themselves: only those along the axis add up
- * to zero.
+ * axisymmetric body the radial forces of a ring balance by themselves: only axial forces add up to
+ * zero.
  */
 #include <math.h>
 #include <string.h>
@@ -73,8 +73,8 @@ static void tool_draw_indentation(dls_forming *f, const double size[2]) {
   tool_rectangle(f, ground, (double[2]){0, -0.1 * size[1]}, (double[2]){1.3 * size[0], 0});
 }
 
-/* Draws sections of the tools: walls a fifth of the billet's radius thick, the ram as the plate
- * that moves, the die as long as the billet becomes. */
+/* Draws sections of the tools: walls a fifth of the billet's radius thick, the ram as a moving
+ * plate, the die as long as the billet becomes. */
 static void tool_draw_extrusion(dls_forming *f, const double size[2]) {
   enum { arcs = 8 };
   const dlsi_piece *cone = f->rigid[0].piece, *arc = cone + 1, *wall = cone + 2;
@@ -113,7 +113,7 @@ void dlsi_forming_move_tools(dls_forming *f) {
     tool_draw_extrusion(f, size);
   else
     tool_draw_indentation(f, size);
-  const double *way = f->rigid[0].way; /* of the cylinder; container and die stand */
+  const double *way = f->rigid[0].way; /* of the cylinder; container and die do not move */
   for (int i = 0; i < 2 * f->tool[0].points; i++)
     f->outline[0][i] += f->load * way[i % 2];
 }

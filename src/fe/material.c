@@ -14,8 +14,8 @@
  *   (MA3)  s = a n,  a = |s'| - sqrt(6) G l,  ep = ep_n + l                              (12), (14)
  *   (MA4)  be = s / mu + m 1,  Cp^-1 = J^2/3 F^-1 be F^-T                                    (13)
  *
- * (13) keeps the trace, m as above, and lets det be drift from 1 and the elastic energy with det
- * be. By default m is the root near 1 of det( s/mu + m 1 ) = m^3 - |s/mu|^2 m / 2 + det(s/mu) = 1.
+ * (13) keeps the trace, m as above. It lets det be drift from 1, and the elastic energy with it.
+ * By default m is the root near 1 of det( s/mu + m 1 ) = m^3 - |s/mu|^2 m / 2 + det(s/mu) = 1.
  *
  * Tangent. For a rate d of deformation (without spin),
  *
@@ -24,9 +24,9 @@
  *   (MA2):  da = (1 - 1/b) (d|s'| - sqrt(6) l dG),   b = 1 + sigma0' / 3G
  *   c = g c' + n x ( da - g d|s'| ),   g = a / |s'|                                        (MA6)
  *
- * c is not quite symmetric: n x N has no partner, because the return (12) is not the minimum of an
- * energy. The weight of the skew part is |s'| beside G, some percent.
- * Cost: some hundred operations and a pow. What can fail: J <= 0 or overflow, seen as not finite.
+ * c is not quite symmetric: n x N has no partner, because the return (12) does not minimise an
+ * energy. The weight of the skew part is |s'| over G, some percent.
+ * Cost: some hundred operations and a pow. What can fail: J <= 0, or overflow: not finite.
  */
 #include <float.h>
 #include <math.h>
@@ -78,9 +78,9 @@ static double tensor_norm(const double s[4]) {
   return sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2 * s[3] * s[3]);
 }
 
-/* Solves (MA2); returns the multiplier l, -1 on failure. The left side minus the right side falls
- * in l from f' > 0 at l = 0; a Newton step that leaves the bracket is replaced by the bracket's
- *   middle. trial: sqrt(3/2) |s'|; ep: ep_n */
+/* Solves (MA2); returns the multiplier l, -1 on failure. Left side minus right side decreases in l
+ * from f' > 0 at l = 0. A Newton step that leaves the bracket is replaced by the bracket's middle.
+ *   trial: sqrt(3/2) |s'|; ep: ep_n */
 static double plastic_multiplier(const dlsi_hardening *h, double trial, double G, double ep) {
   double low = 0, high = trial / (3 * G), l = 0, slope;
   for (int k = 0; k < 60; k++) {

@@ -4,7 +4,7 @@
  * The products of hat functions of both lines are quadratic between neighbours among all nodes:
  * two Gauss points are exact there. A constant pressure thus gives both lines the nodal forces of
  * that pressure, and equal linear displacements of the lines give no jump: the patch test holds to
- * rounding, which it does not when nodes of one line are held on the edges of the other.
+ * rounding. It does not hold if nodes of one line are tied to the edges of the other.
  * O(na nb) for zeroing, O(na + nb) for the integrals.
  */
 #include <math.h>

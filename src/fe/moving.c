@@ -1,5 +1,5 @@
 /*
- * moving.c: takes the steps of a scene of bodies that move, and adds up what a run is judged by:
+ * moving.c: takes the steps of a scene of moving bodies, and adds up the measures of a run:
  * impulses, the variation of the force, the distance from the closed form, cost.
  */
 #include <math.h>
@@ -24,7 +24,7 @@ struct dls_moving {
   double *reaction;      /* 2 * nodes */
   double *cold_r;        /* 2 * candidates */
   double error2, exact2; /* sums of squares of the gap: error, closed form */
-  double normal;         /* sum of r_n of the step before */
+  double normal;         /* sum of r_n of the previous step */
   dls_moving_data data;
   void *memory; /* of the arrays */
 };
@@ -88,7 +88,7 @@ static dls_status moving_start(dls_moving *m, dls_error *error) {
   return dls_solver_create(&m->cold, 2, s->candidates, &cold, error);
 }
 
-/* Puts x back on the mesh, and the mean forces of the step beside it. */
+/* Puts x and the mean forces of the step on the mesh. */
 static void moving_spread(dls_moving *m) {
   const dlsi_moving_scene *s = &m->scene;
   const dls_motion_state *state = &m->data.state;
@@ -181,6 +181,13 @@ void dls_moving_get(const dls_moving *moving, dls_moving_data *data) {
   if (data) *data = moving ? moving->data : (dls_moving_data){0};
 }
 
+dls_status dls_moving_problem(const dls_moving *moving, dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
+  const dls_status status = moving ? dls_motion_get_problem(moving->motion, problem, error)
+                                   : dlsi_is_null(error, "moving");
+  return dlsi_at(__func__, status, error);
+}
+
 /* ---- a step ---------------------------------------------------------------------------------- */
 
 /* Returns the place of the obstacle at time t. */
@@ -217,7 +224,7 @@ static dls_status moving_measure(dls_moving *m, dls_error *error) {
   return status < 0 ? status : DLS_OK;
 }
 
-/* Adds the step to what a run is judged by. */
+/* Adds the step to the measures of a run. */
 static void moving_judge(dls_moving *m) {
   const dlsi_moving_scene *s = &m->scene;
   dls_moving_data *d = &m->data;

@@ -9,7 +9,7 @@
 /* E 900, rho 1, L 10: c = 30, rho c = 30, a wave is back after 2 L / c = 2/3. */
 static const double back = 2.0 / 3;
 
-/* The bar falls from 5 with velocity 10: contact from 1/2 until the wave is back, then it flies
+/* The bar falls from 5 with velocity 10: contact from 1/2 until the wave is back, then flight
  * without stress. */
 void dlsi_exact_impact(double t, double *gap, double *force) {
   const double first = 0.5, last = first + back;
@@ -43,7 +43,7 @@ void dlsi_exact_bounce(double t, double *gap, double *force) {
     *gap = 10 * (s - 5 * back) - 5 * (s - 5 * back) * (s - 5 * back);
 }
 
-/* E = rho = L = 1, held at the top, let go at u = (1 - x) / 2: the lower end moves at -1/2, rests
+/* E = rho = L = 1, held at the top, released at u = (1 - x) / 2: the lower end moves at -1/2, rests
  * on the wall for one unit of time at the force 1/2, goes back; the period is 3. */
 void dlsi_exact_fixed(double t, double *gap, double *force) {
   const double s = fmod(t, 3);

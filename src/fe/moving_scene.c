@@ -4,9 +4,9 @@
  *   bar-*             a column of nx elements, length L, above a wall; one candidate, its lower end
  *   jean-moving*      block, loads and candidates of scene.c; the wall moves a sin(2 pi t) along t
  *   block-drop        .2 x .1, thrown at (2, -1) from .01 above the ground
- *   two-blocks        below: .1 x .05 on a smooth support that holds both ways; above: the same,
- *                     held by the lower one alone. Pressure on the top grows, then shear of equal
- *                     and opposite tractions on the top and the bottom
+ *   two-blocks        below: .1 x .05 on a smooth support that holds in both directions; above: the
+ *                     same, held only by the lower block. Pressure on the top grows, then shear of
+ *                     equal and opposite tractions on the top and the bottom
  *
  *        p | | | | | |       s: half of the time later
  *          v v v v v v  -> s
@@ -361,7 +361,7 @@ static dls_status two_blocks(dlsi_moving_scene *s, dls_error *error) {
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
-/* Puts the scene's own values where the settings leave it the choice. */
+/* Puts the scene's own values where the settings ask for them. */
 static void moving_fill(dlsi_moving_scene *s, const moving_case *c) {
   dls_moving_settings *o = &s->settings;
   if (!o->law) o->law = c->law;

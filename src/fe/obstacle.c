@@ -4,12 +4,12 @@
  *   (OB1)  for each piece: distance to its line or circle, and the nearest point of the piece
  *          itself: beyond an end that joins another piece the nearest point is the end
  *   (OB2)  the piece with the nearest point wins, the first of two with the same nearest point
- *   (OB3)  beyond the centre the circle's nearest point lies across from the arc: the arc then goes
- *          on as the tangents at its ends
+ *   (OB3)  beyond the centre the circle's nearest point lies across from the arc: the tangents at
+ *          the ends of the arc replace it there
  *
- * Where pieces join with one tangent, distance and normal are continuous whichever piece wins: a
- * node that passes the joint sees no jump. At a sharp corner the normal jumps, and beyond both
- * pieces the distance is that to the winner's line, not to the corner.
+ * If pieces join with one tangent, distance and normal are continuous whichever piece wins: a node
+ * that passes the joint sees no jump. At a sharp corner the normal jumps, and beyond both pieces
+ * the distance is that to the winner's line, not to the corner.
  */
 #include <math.h>
 

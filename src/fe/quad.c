@@ -21,7 +21,7 @@ static const double quad_sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 
 int dlsi_quad_is_flat(const dls_fe_mesh *mesh, int e) {
   const int *node = mesh->quad + 4 * (size_t)e;
-  for (int k = 0; k < 4; k++) { /* det J is bilinear: four corners tell */
+  for (int k = 0; k < 4; k++) { /* det J is bilinear: its least value is at a corner */
     const double *a = mesh->xy + 2 * (size_t)node[k];
     const double *b = mesh->xy + 2 * (size_t)node[(k + 1) % 4];
     const double *d = mesh->xy + 2 * (size_t)node[(k + 3) % 4];

@@ -13,8 +13,8 @@
  *
  * The paper gives block, material, friction and results, and shows mesh and loads in drawings only.
  * Its mesh, 16 x 8, and the loads below follow from its printed tables (data/jean-1988/README.md).
- * The traction on the side is linear in y and is taken at the middle of each segment, so that the
- * resultant does not depend on the mesh.
+ * The traction on the side is linear in y and is taken at the middle of each segment: the resultant
+ * does not depend on the mesh.
  *
  * Weighted reactions: the dual cell of the last candidate reaches half way to the fixed node, so
  * that 1/8 of the reaction of that candidate goes to the fixed node. All nodes of the edge are
@@ -28,8 +28,7 @@
 
 #include "fe_internal.h"
 
-/* Up to so many unknowns K is dense, which every build and the host's own tests can take apart; the
- * n^2 doubles are 8 MB then. */
+/* Up to so many unknowns K is dense (8 MB), which every build and the host's own tests can read. */
 enum { most_dense = 1000 };
 
 static const double L = 4e-3; /* m */
@@ -51,7 +50,7 @@ static const jean_case cases[] = {
 enum { case_count = sizeof cases / sizeof cases[0] };
 
 struct dls_fe_scene {
-  dls_fe_scene_settings is; /* nothing in it stands for a default */
+  dls_fe_scene_settings is; /* with all defaults filled in */
   dls_fe_mesh mesh;
   int line;     /* nodes of the bottom edge, first in the mesh; the last one is fixed */
   int unknowns; /* of the model */
@@ -97,7 +96,7 @@ static dls_status scene_check(const dls_fe_scene_settings *s, dls_error *error) 
   return dlsi_check_each(sizeof each / sizeof each[0], each, error);
 }
 
-/* Puts the values of the case in place of those that stand for them. */
+/* Replaces the settings that stand for values of the case. */
 static void scene_settle(dls_fe_scene_settings *s, const jean_case *c) {
   if (!s->nx) s->nx = 16;
   if (!s->ny) s->ny = 8;
@@ -146,7 +145,7 @@ static dls_status scene_allocate(dls_fe_scene *s, dls_error *error) {
   return DLS_OK;
 }
 
-/* Numbers the unknowns in the order of the mesh, but for u_x on x = L and u_y of the fixed node. */
+/* Numbers the unknowns in the order of the mesh, without u_x on x = L and u_y of the fixed node. */
 static void scene_number_unknowns(dls_fe_scene *s) {
   int n = 0;
   for (int i = 0; i < s->mesh.nodes; i++) {
@@ -298,7 +297,7 @@ static dls_status scene_make(dls_fe_scene **out, const char *name, int weighted,
   return status;
 }
 
-/* Checks the pointers of both ways to make a scene. */
+/* Checks the pointers of both functions that make a scene. */
 static dls_status scene_create(dls_fe_scene **out, const char *name, int weighted,
                                const dls_fe_scene_settings *settings, dls_error *error) {
   if (out) *out = NULL;

@@ -4,8 +4,8 @@
  *   M = diag(M_b), n x n blocks, n = 3 (d - 1);  M_b = L_b L_b^T
  *   H_cb := L_b^-1 H_cb,  W = H^T H,  q = w + H^T L^-1 f
  *
- * It is one where M is such a matrix, symmetric and positive definite, and no candidate moves more
- * than two bodies. Cost: O(n^2) a body, O(n^2 d) a candidate. Fails: for want of memory.
+ * This form exists if M is block diagonal so, symmetric and positive definite, and no contact moves
+ * more than two bodies. Cost: O(n^2) per body, O(n^2 d) per contact. Fails: no memory.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 
 enum { most_motions = 6 };
 
-/* Gathers the blocks of M into L, n x n each, column-major. Returns 0 where M has other entries. */
+/* Gathers the blocks of M into L, n x n each, column-major. Returns 0 if M has other entries. */
 static int bodies_of_mass(const dls_sparse *M, int n, double *L) {
   for (int j = 0; j < M->cols; j++)
     for (int k = M->p[j]; k < M->p[j + 1]; k++) {
@@ -27,7 +27,7 @@ static int bodies_of_mass(const dls_sparse *M, int n, double *L) {
   return 1;
 }
 
-/* L := chol(L), lower triangle. Returns 0 where it is not symmetric, or not positive definite. */
+/* L := chol(L), lower triangle. Returns 0 if L is not symmetric, or not positive definite. */
 static int bodies_factor(int n, double *L) {
   for (int j = 0; j < n; j++)
     for (int i = 0; i < j; i++)
@@ -53,8 +53,8 @@ static void bodies_solve(int n, const double *L, double *x) {
   }
 }
 
-/* Adds column `from` of A to column `to` of the blocks of candidate c. Returns 0 where that is a
- * third body. */
+/* Adds column `from` of A to column `to` of the blocks of contact c. Returns 0 if that is a third
+ * body. */
 static int bodies_take(dlsi_fclib_bodies *B, int d, int c, const dls_sparse *A, int from, int to) {
   const int n = B->n;
   for (int k = A->p[from]; k < A->p[from + 1]; k++) {
@@ -70,8 +70,8 @@ static int bodies_take(dlsi_fclib_bodies *B, int d, int c, const dls_sparse *A, 
   return 1;
 }
 
-/* Fills all but the memory of B. L: n n count zeros, scratch; f: n count, overwritten. Returns 0
- * where the problem is not one of rigid bodies. */
+/* Fills all of B except its memory. L: n n count zeros, scratch; f: n count, overwritten. Returns 0
+ * if the problem is not one of rigid bodies. */
 static int bodies_fill(dlsi_fclib_bodies *B, const dlsi_fclib_global *of, double *L, double *f) {
   const int d = of->d, n = B->n, nc = of->nc;
   if (!bodies_of_mass(&of->M, n, L)) return 0;

@@ -4,7 +4,7 @@
 
 #include "base/base.h"
 
-/* A global problem, and the same of rigid bodies (fclib_bodies.c). */
+/* A global problem, and its form for rigid bodies (fclib_bodies.c). */
 typedef struct dlsi_fclib_global {
   int d, nc;
   dls_sparse M, HN, HT;

@@ -3,8 +3,8 @@
  *
  *   M v = H r + G l + f,  G^T v + b = 0        (M  -G; -G^T  0) (v; l) = (f; b) + (H; 0) r
  *
- * The way back takes the multipliers from K (base/joints.c). K is such a matrix if it is symmetric
- * between positions and multipliers, has nothing among multipliers, and H nothing at them.
+ * Writing takes the multipliers from K (base/joints.c). K has this form if it is symmetric between
+ * positions and multipliers and has no entries between multipliers, and H has none at multipliers.
  *
  * Cost: the entries. Fails: no memory.
  */
@@ -45,7 +45,7 @@ typedef struct block {
   int transposed;
 } block;
 
-/* Gathers a block of A; columns of A that are no unknowns (of H) count as positions. */
+/* Gathers a block of A; columns of A that are not unknowns (of H) count as positions. */
 static dls_status split_gather(const dlsi_fclib_split *of, const int *joint, const int *place,
                                const dls_sparse *A, int square, block b, dlsi_columns *out,
                                dls_error *error) {
@@ -88,8 +88,8 @@ static int split_equal(const dlsi_columns *A, const dlsi_columns *B, double *sum
   return equal;
 }
 
-/* Returns 1 if A has an entry other than 0 in a row, and where `square` in a column, of a
- * multiplier. */
+/* Returns 1 if A has an entry other than 0 in a row of a multiplier or, if `square`, in a column of
+ * one. */
 static int split_touches(const dls_sparse *A, const int *joint, int square) {
   for (int j = 0; j < A->cols; j++)
     for (int k = A->p[j]; k < A->p[j + 1]; k++)

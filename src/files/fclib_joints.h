@@ -1,16 +1,15 @@
-/* fclib_joints.h: a global problem with joints as one whose K holds their multipliers, and back. */
+/* fclib_joints.h: a global problem with joints as one with multipliers in K, and back. */
 #ifndef DLSI_FCLIB_JOINTS_H
 #define DLSI_FCLIB_JOINTS_H
 
 #include "base/columns.h"
 
-/* *M := (M -G; -G^T 0) of M (n x n) and G (n x p). After DLS_E_MEMORY, DLS_E_SIZE it is as it
- * was. */
+/* *M := (M -G; -G^T 0) of M (n x n) and G (n x p). Unchanged after DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_fclib_join(dlsi_triplets *M, const dlsi_triplets *G, dls_error *error);
 
 /* The parts of such a K. */
 typedef struct dlsi_fclib_split {
-  int positions, joints; /* joints: 0 where K is no such matrix, and all else is empty */
+  int positions, joints; /* joints: 0 if K has not this form; then all else is empty */
   int *order;            /* n: the positions, then the multipliers */
   dlsi_columns M, G, H;
 } dlsi_fclib_split;

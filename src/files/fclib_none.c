@@ -1,4 +1,4 @@
-/* fclib_none.c: answers DLS_E_UNSUPPORTED in a build without HDF5. */
+/* fclib_none.c: returns DLS_E_UNSUPPORTED in a build without HDF5. */
 #include "delassus/files.h"
 #include "files/file.h"
 

@@ -8,16 +8,16 @@
  *   solution/      v, r, u
  *
  * A matrix is a group m, n, nz, nzmax, p, i, x, as in CSparse:
- *   nz = -1  compressed columns: those of column j stand at p[j] <= k < p[j+1], rows i[k]
- *   nz = -2  compressed rows: those of row i stand at p[i] <= k < p[i+1], columns i[k]
+ *   nz = -1  compressed columns: column j has p[j] <= k < p[j+1], rows i[k]
+ *   nz = -2  compressed rows: row i has p[i] <= k < p[i+1], columns i[k]
  *   nz >= 0  nz triplets, row i[k], column p[k]
- * i and x may be longer than what is used. Entries of the same place add up. Bilateral constraints
- * of a local problem (V, R, s) are not read. A file that holds both problems
- * is read as the local one, which is the global one condensed.
+ * i and x may be longer than needed. Entries of the same place add up. Bilateral constraints of a
+ * local problem (V, R, s) are not read. Of a file with both problems the local one is read: it is
+ * the global one condensed.
  *
- * A file is not to be trusted: sizes are checked against each other and against the extents of the
- * data sets before memory is taken, indices and values before they are used. HDF5 prints its
- * errors unless told not to; H5E_BEGIN_TRY silences it and gives the host its handler back.
+ * A file is not trusted: sizes are checked against each other and against the extents of the data
+ * sets before memory is allocated, indices and values before use. HDF5 prints its errors by
+ * default; H5E_BEGIN_TRY silences it and restores the host's handler.
  */
 #include <hdf5.h>
 #include <limits.h>
@@ -37,7 +37,7 @@ struct dls_fclib {
   char *title;
   dlsi_columns W;           /* local: by blocks, x[d d k..] in block row i[k] */
   dlsi_columns M, HN, HT;   /* global */
-  dlsi_fclib_bodies bodies; /* global: the same of rigid bodies, where it is */
+  dlsi_fclib_bodies bodies; /* global: as rigid bodies, if it is so */
   double *f;                /* global: n */
   double *q, *mu;           /* q: d nc, the w of a global problem; mu: nc */
   double *r, *u;            /* d nc, or NULL */
@@ -48,7 +48,7 @@ struct dls_fclib {
 typedef struct source {
   hid_t group;                    /* where the names of data sets start */
   hsize_t bytes;                  /* of the file */
-  hid_t set_access, group_access; /* that data sets and groups are opened with */
+  hid_t set_access, group_access; /* to open data sets and groups */
   dls_error *error;
 } source;
 
@@ -62,10 +62,10 @@ static herr_t stay_inside(const char *parent_file, const char *parent_group, con
   return -1;
 }
 
-enum { most_deflated = 1032 }; /* bytes that one byte of deflate stands for, at most */
+enum { most_deflated = 1032 }; /* largest number of bytes from one byte of deflate */
 
-/* Returns 1 if the values lie in this file, which has room for them, and none of the pieces that
- * HDF5 reads them by is larger. held: values of `size` bytes. */
+/* Returns 1 if the values are in this file, which is large enough for them, and no piece by which
+ * HDF5 reads them is larger. held: values of `size` bytes. */
 static int is_stored_here(const source *s, hid_t set, hsize_t held, size_t size) {
   hsize_t chunk[H5S_MAX_RANK], values = 1;
   const hid_t create = H5Dget_create_plist(set);
@@ -87,7 +87,7 @@ static int is_stored_here(const source *s, hid_t set, hsize_t held, size_t size)
   return good;
 }
 
-/* Checks space and type of a data set that is to hold `count` numbers, or at least as many if
+/* Checks space and type of a data set that must hold `count` numbers, or at least as many if
  * `longer`. */
 static dls_status check_set(const source *s, const char *name, hid_t set, hid_t space, hid_t type,
                             size_t count, int longer) {
@@ -127,7 +127,7 @@ static herr_t read_first(hid_t set, hid_t space, hid_t type, size_t count, void 
 }
 
 /* Reads `count` numbers of `type` from data set `name` into a new array *out, NULL on error.
- * Integers that do not fit an int arrive as INT_MAX, which no check lets pass. */
+ * Integers that do not fit an int become INT_MAX, which fails every check. */
 static dls_status read_set(const source *s, const char *name, hid_t type, size_t count, int longer,
                            void **out) {
   *out = NULL;
@@ -275,7 +275,7 @@ static dls_status gather_blocks(const dlsi_columns *A, int d, dlsi_columns *B, d
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* Returns 1 if the link `name`, one step from the group, is there. */
+/* Returns 1 if the link `name`, one step from the group, exists. */
 static int has_link(const source *s, const char *name) {
   return H5Lexists(s->group, name, H5P_DEFAULT) > 0;
 }
@@ -308,7 +308,7 @@ static dls_status read_variable_text(hid_t set, hid_t stored, hid_t space, char 
   return *text ? DLS_OK : dlsi_no_memory(error);
 }
 
-/* Reads the title; it is no error if none is there or if it is not one string. */
+/* Reads the title; a title that is missing or not one string is no error. */
 static dls_status read_title(const source *s, char **title) {
   const hid_t set = H5Dopen2(s->group, "info/title", s->set_access);
   if (set < 0) return DLS_OK;
@@ -326,7 +326,7 @@ static dls_status read_title(const source *s, char **title) {
   return status;
 }
 
-/* Returns DLS_E_UNSUPPORTED if the matrix or the vector of bilateral constraints is there and not
+/* Returns DLS_E_UNSUPPORTED if the matrix or the vector of bilateral constraints exists and is not
  * empty. */
 static dls_status refuse_bilateral(const source *s, const char *matrix, const char *m,
                                    const char *n, const char *vector) {
@@ -347,7 +347,7 @@ static dls_status refuse_bilateral(const source *s, const char *matrix, const ch
                    "bilateral constraints are not read");
 }
 
-/* Sets file->nc from the size of the local space, which data set `name` holds. */
+/* Sets file->nc from the size of the local space, given by data set `name`. */
 static dls_status set_candidates(const source *s, const char *name, int size, dls_fclib *file) {
   // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): status 0 vouches for it
   if (size % file->d != 0)
@@ -374,8 +374,7 @@ static dls_status read_local(const source *s, dls_fclib *file) {
   if (!status) status = refuse_bilateral(s, "R", "R/m", "R/n", "vectors/s");
   if (!status) status = read_square(s, &names_W, &W);
   if (!status) status = set_candidates(s, "W/m", W.rows, file);
-  /* read q before memory is taken: a vector of m values is more than a claim that there are m
-   * rows */
+  /* read q before memory is allocated: a vector of m values is more than a claim of m rows */
   if (!status) status = read_doubles(s, "vectors/q", (size_t)W.rows, 0, &file->q);
   if (!status) status = dlsi_columns_compress(&W, file->d, DLSI_ALL, &A, s->error);
   if (!status) status = gather_blocks(&A, file->d, &file->W, s->error);
@@ -384,7 +383,7 @@ static dls_status read_local(const source *s, dls_fclib *file) {
   return status;
 }
 
-/* Reads G into t, without columns where the file has none. n: rows of M. On error, too, the caller
+/* Reads G into t, without columns if the file has none. n: rows of M. On error, too, the caller
  * frees t. */
 static dls_status read_joints(const source *s, int n, dlsi_triplets *t) {
   int rows = 0, cols = 0;
@@ -543,7 +542,7 @@ const char *dls_fclib_title(const dls_fclib *file) {
   return file && file->title ? file->title : "";
 }
 
-/* Checks that there is a file that holds a problem of the wanted kind. */
+/* Checks that the file holds a problem of the wanted kind. */
 static dls_status check_kind(const dls_fclib *file, int global, dls_error *error) {
   if (!file) return dlsi_is_null(error, "file");
   if (file->global == global) return DLS_OK;

@@ -1,8 +1,8 @@
 /*
  * fclib_write.c: writes contact problems to FCLIB files; fclib_read.c describes the layout.
  *
- * HDF5 builds the file in memory, and it is written in one piece, so that a failure leaves no
- * half file and no handle behind, and the same problem gives the same bytes.
+ * HDF5 builds the file in memory, then one write puts it on the disk: a failure leaves no half file
+ * and no handle behind, and the same problem gives the same bytes.
  */
 #include <hdf5.h>
 #include <limits.h>
@@ -85,7 +85,7 @@ static void column_of_blocks(const void *source, int j, builder *b) {
       add_entry(b, d * B->i[k] + i, B->x[(size_t)k * (size_t)(d * d) + (size_t)(i + d * (j % d))]);
 }
 
-/* Adds column j of H, whose columns are those of H_N and H_T candidate by candidate. */
+/* Adds column j of H, whose columns are those of H_N and H_T contact by contact. */
 static void column_of_operators(const void *source, int j, builder *b) {
   const dls_model *model = source;
   const int normal = j % model->d == 0;
@@ -126,8 +126,8 @@ static dls_status columns_of_lower(const dls_sparse *K, dlsi_columns *C, dls_err
 /* A file under construction, in memory: HDF5 does not recover well from a full disk. */
 typedef struct sink {
   hid_t file, link, create;
-  const char *group; /* that data sets go to: "fclib_local/", .. */
-  int failed;        /* some step failed: the rest does nothing */
+  const char *group; /* for data sets: "fclib_local/", .. */
+  int failed;        /* 1: a step failed, and the others do nothing */
 } sink;
 
 static void sink_open(sink *s, const char *path) {
@@ -179,7 +179,7 @@ static void put_doubles(sink *s, const char *name, size_t count, const double *x
   put_vector(s, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, count, x);
 }
 
-/* Puts a text with its terminating zero, on which FCLIB's own reader relies. */
+/* Puts a text with its terminating zero, which FCLIB's own reader needs. */
 static void put_text(sink *s, const char *name, const char *text) {
   const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
   if (H5Tset_size(type, strlen(text) + 1) < 0) s->failed = 1;
@@ -220,7 +220,7 @@ static dls_status save_image(sink *s, const char *path, dls_error *error) {
   return status;
 }
 
-/* A problem and its solution, as they go to a file. */
+/* A problem and its solution, as written to a file. */
 typedef struct contents {
   const char *path, *group, *title;
   const char *name_of_q; /* in the file */
@@ -302,8 +302,8 @@ dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, c
   return dlsi_at(__func__, status, error);
 }
 
-/* Checks a model, and refuses those that an FCLIB file cannot hold: with P, left-out candidates,
- * or no K. */
+/* Checks a model, and refuses models that an FCLIB file cannot hold: with P, inactive contacts, or
+ * no K. */
 static dls_status check_storable(const dls_model *model, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
   const int kind = (int)model->operator_kind;
@@ -342,7 +342,7 @@ static void split_contents(contents *c, const dlsi_fclib_split *split, double *v
   c->joints = split->joints;
 }
 
-/* Writes K and H, by their parts where K holds multipliers of joints. */
+/* Writes K and H, or their parts if K contains multipliers of joints. */
 static dls_status write_matrices(contents *c, const dls_sparse *K, const dls_sparse *H,
                                  dls_error *error) {
   static const matrix_names *const name[3] = {&names_M, &names_H, &names_G};
@@ -371,7 +371,7 @@ static dls_status write_global(contents *c, const dls_model *model, dls_error *e
   c->d = model->d, c->nc = model->nodes, c->n = model->n;
   status = check_global(c, error);
   if (status) return status;
-  dlsi_columns K = {0}, H = {0}; /* K: unless the model's own columns serve as they are */
+  dlsi_columns K = {0}, H = {0}; /* K: unless the model's own columns can be written */
   const int n = c->n, symmetric = model->factorization != DLS_LU;
   if (model->operator_kind == DLS_STIFFNESS_DENSE)
     status = build_columns("K", n, n, symmetric ? column_of_symmetric : column_of_dense, &model->K,

@@ -1,4 +1,4 @@
-/* file.c: opens files for reading, telling apart what goes wrong; reads numbers. */
+/* file.c: opens files for reading, distinguishes what goes wrong; reads numbers. */
 #define _XOPEN_SOURCE 700
 #include <math.h>
 #include <stdint.h>
@@ -20,7 +20,7 @@ FILE *dlsi_file_open(const char *path, dls_error *error) {
     (void)fclose(file);
     return NULL;
   }
-  /* a byte order mark, by which editors on Windows begin UTF-8 */
+  /* a byte order mark: editors on Windows put it before UTF-8 */
   if (first == 0xef && getc(file) == 0xbb && getc(file) == 0xbf) return file;
   if (first == 0xef) rewind(file);
   if (first != EOF && first != 0xef) (void)ungetc(first, file);
@@ -34,9 +34,8 @@ long long dlsi_file_size(FILE *file) {
 }
 
 /* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word. The
- * e may be E, or d or D as Fortran writes double precision.
- * strtod reads the decimal point of the locale, which stands between the digits of 0.5 as printf
- * writes it. */
+ * e may be E, or d or D as in Fortran's double precision. strtod reads the decimal point of the
+ * locale, which printf shows between the digits of 0.5. */
 int dlsi_read_number(const char *word, size_t length, double *value) {
   char w[dlsi_longest_number + 1];
   if (length > dlsi_longest_number) return 0;

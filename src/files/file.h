@@ -1,4 +1,4 @@
-/* file.h: opens files for all readers and writers, with one report of what goes wrong. */
+/* file.h: opens files for all readers and writers; reports what goes wrong. */
 #ifndef DLSI_FILE_H
 #define DLSI_FILE_H
 
@@ -11,21 +11,20 @@
  * or a directory. */
 FILE *dlsi_file_open(const char *path, dls_error *error);
 
-/* Returns the bytes of an open file, -1 of a pipe. What a file claims to hold is compared with them
- * before memory is taken. */
+/* Returns the bytes of an open file, -1 for a pipe. Compare with them what a file claims to hold
+ * before you allocate memory. */
 long long dlsi_file_size(FILE *file);
 
-/* Reads a real Matrix Market file; of a symmetric one both halves are listed. t: to be freed also
- * after an error. Errors of dls_mtx_read. */
+/* Reads a real Matrix Market file; lists both halves of a symmetric one. Free t also after an
+ * error. Errors of dls_mtx_read. */
 dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error);
 
 static inline int dlsi_is_digit(int c) {
   return c >= '0' && c <= '9';
 }
 
-/* Reads the finite decimal number that the word of `length` characters is, with a decimal point
- * whatever the host's locale says, and with exponents of Fortran (1D0), too. Returns 0 for any
- * other word. */
+/* Reads a finite decimal number, a word of `length` characters, with a decimal point in every
+ * locale of the host, also with exponents of Fortran (1D0). Returns 0 for any other word. */
 enum { dlsi_longest_number = 64 }; /* a double needs 24 characters */
 int dlsi_read_number(const char *word, size_t length, double *value);
 

@@ -10,8 +10,8 @@
  * CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE): lines "row column value" of the upper triangle of a
  * symmetric matrix, 1-based, without a banner and without sizes.
  *
- * Comments (%) and blank lines may stand anywhere, lines may end in CR LF. Entries of the same
- * place add up. Numbers are read and written with a decimal point whatever the host's locale says.
+ * Comments (%) and blank lines may be anywhere, lines may end in CR LF. Entries of the same place
+ * add up. Numbers are read and written with a decimal point in every locale of the host.
  */
 #include <ctype.h>
 #include <limits.h>
@@ -34,9 +34,9 @@ typedef struct scanner {
   FILE *file;
   long long next; /* line of the next character, 1-based */
   long long line; /* line of the word */
-  size_t length;  /* of the word, 0 at the end of the file; more than it holds if it was cut */
+  size_t length;  /* of the word, 0 at the end of the file; if the word was cut, its full length */
   char word[longest + 1];
-  dls_status status; /* of the first thing that was wrong */
+  dls_status status; /* of the first error */
   dls_error *error;
 } scanner;
 
@@ -64,7 +64,7 @@ static void scan(scanner *s) {
   if (c != EOF) (void)ungetc(c, s->file);
 }
 
-/* Reports what is wrong with the word, unless something was wrong before. */
+/* Reports an error in the word, unless there was one before. */
 static void blame(scanner *s, dls_status status, const char *text) {
   const char *word = s->length ? s->word : "end of file";
   if (s->status) return;
@@ -78,7 +78,7 @@ static void require(scanner *s, int holds, const char *text) {
   if (!holds) blame(s, DLS_E_FORMAT, text);
 }
 
-/* Returns 1 if the word is `text`, given in lower case, with any of its letters in upper case. */
+/* Returns 1 if the word is `text`, which is in lower case, in any mix of cases. */
 static int says(const scanner *s, const char *text) {
   if (s->length != strlen(text)) return 0;
   for (size_t k = 0; k < s->length; k++)
@@ -114,8 +114,8 @@ static void print_double(FILE *file, double x) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* A matrix of this many rows and columns, or dense one of this many values, is taken at its word.
- * For a larger one a file has at least an entry for each row and each column: the others make it
+/* Up to this many rows and columns, or values of a dense matrix, the sizes in a file are trusted. A
+ * larger matrix must have at least an entry for each row and each column: without them it is
  * singular, and a few bytes could ask for all memory. */
 enum { free_lines = 1 << 22, free_values = 1 << 23 };
 
@@ -127,7 +127,7 @@ typedef struct layout {
   int rows, cols, entries; /* entries: of the coordinate form */
 } layout;
 
-/* Scans the next word, which has to stand on line `line`. */
+/* Scans the next word, which must be on line `line`. */
 static int scan_on(scanner *s, long long line) {
   scan(s);
   return s->line == line;
@@ -186,12 +186,12 @@ static void read_sizes(scanner *s, layout *form, int dense) {
   if (!s->status) check_sizes(s, form, dense);
 }
 
-/* Adds x to *sum, where 0 + x is x itself, -0.0 too. */
+/* Adds x to *sum; 0 + x is x itself, even for -0.0. */
 static void add_value(double *sum, double x) {
   *sum = *sum == 0 ? x : *sum + x;
 }
 
-/* The matrix that is read: dense a (rows x cols), or triplets where a is NULL. */
+/* The matrix to read: dense a (rows x cols), or triplets if a is NULL. */
 typedef struct target {
   double *a;
   dlsi_triplets *t;
@@ -239,7 +239,7 @@ static void read_coordinates(scanner *s, const layout *form, const target *to) {
   }
 }
 
-/* Reads the entries, which have to be the rest of the file. */
+/* Reads the entries, which must be the rest of the file. */
 static dls_status read_entries(scanner *s, const layout *form, const target *to) {
   (form->coordinate ? read_coordinates : read_array)(s, form, to);
   if (s->status) return s->status;
@@ -250,7 +250,7 @@ static dls_status read_entries(scanner *s, const layout *form, const target *to)
   return s->status;
 }
 
-/* Reads the matrix whose banner and sizes have been read into a new array *a. */
+/* Reads a dense matrix into a new array *a, after its banner and sizes. */
 static dls_status read_dense(scanner *s, const layout *form, double **a) {
   /* calloc, not malloc: a short file that claims a large matrix touches no memory */
   const size_t size = (size_t)form->rows * (size_t)form->cols;
@@ -276,8 +276,7 @@ static dls_status triplets_of_dense(const layout *form, const double *a, dlsi_tr
   return status;
 }
 
-/* Reads the matrix whose banner and sizes have been read into triplets. On error, too, the caller
- * frees t. */
+/* Reads a matrix into triplets, after its banner and sizes. On error, too, the caller frees t. */
 static dls_status read_triplets(scanner *s, const layout *form, dlsi_triplets *t) {
   if (!form->coordinate) {
     double *a = NULL;
@@ -291,7 +290,7 @@ static dls_status read_triplets(scanner *s, const layout *form, dlsi_triplets *t
   return status ? status : read_entries(s, form, &(target){.t = t});
 }
 
-/* Counts the entries of CalculiX's matrix and its size, the largest column, and goes back to its
+/* Counts the entries of CalculiX's matrix; its size is the largest column. Goes back to its
  * start. */
 static void count_calculix(scanner *s, layout *form) {
   for (scan(s); s->length && !s->status; scan(s)) {
@@ -332,7 +331,7 @@ static dls_status read_calculix(scanner *s, dlsi_triplets *t) {
   return s->status;
 }
 
-/* Hands the triplets over as new compressed columns. */
+/* Returns the triplets as new compressed columns. */
 static dls_status hand_columns(const dlsi_triplets *t, dls_sparse *A, dls_error *error) {
   dlsi_columns columns = {0};
   const dls_status status = dlsi_columns_compress(t, 1, DLSI_ALL, &columns, error);

@@ -1,10 +1,10 @@
 /*
- * output.c: writes files that are either the old ones or whole new ones. A file grows under a
- * temporary name in its own directory; only when all of it is on the disk does one rename put it in
- * the place of the old one. Whatever fails or is killed before that leaves the old file as it is.
+ * output.c: writes files so that either the whole new file exists or the old one stays. A file
+ * grows under a temporary name in its own directory. Only when all of it is on the disk, one rename
+ * replaces the old file. A failure or a kill before that leaves the old file unchanged.
  *
- * The name may be a link: the file that it leads to is replaced, and the link stays. A device or a
- * pipe cannot be replaced and is written itself, as is what another process or this one holds open
+ * If the name is a link, the file at its end is replaced, and the link stays. A device or a pipe
+ * cannot be replaced and is written directly; so is a file that any process holds open
  * (/dev/stdout leads to /proc/self/fd/1, which may be a file).
  */
 #define _XOPEN_SOURCE 700
@@ -19,7 +19,7 @@
 
 enum { most_links = 40, most_names = 1000 };
 
-/* Reports `text` with the reason that errno holds; 0: none is known. */
+/* Reports `text` with the reason from errno; 0: none is known. */
 static dls_status output_fail(int reason, const char *text, dls_error *error) {
   char words[80];
   if (!reason || strerror_r(reason, words, sizeof words))
@@ -31,13 +31,13 @@ static int is_held_open(const char *path) {
   return strncmp(path, "/proc/", 6) == 0 || strncmp(path, "/dev/fd/", 8) == 0;
 }
 
-/* Replaces `path` by the file that its links lead to, which need not be there. Returns 0 and sets
- * errno if there is no end to them. */
+/* Replaces `path` by the file at the end of its links, which need not exist. Returns 0 and sets
+ * errno if the links have no end. */
 static int output_follow(char path[dlsi_longest_path]) {
   char link[dlsi_longest_path];
   for (int k = 0; k < most_links && !is_held_open(path); k++) {
     const ssize_t length = readlink(path, link, sizeof link);
-    if (length < 0) return 1; /* no link: opening tells what else may be wrong */
+    if (length < 0) return 1; /* no link: opening reports other errors */
     const char *slash = strrchr(path, '/');
     const size_t head = link[0] == '/' || !slash ? 0 : (size_t)(slash + 1 - path);
     if (head + (size_t)length >= dlsi_longest_path) return errno = ENAMETOOLONG, 0;
@@ -47,7 +47,7 @@ static int output_follow(char path[dlsi_longest_path]) {
   return is_held_open(path) || (errno = ELOOP, 0);
 }
 
-/* Opens a new file beside out->path; returns its descriptor, -1 with errno on failure. */
+/* Opens a new file next to out->path; returns its descriptor, -1 with errno on failure. */
 static int output_open_beside(dlsi_output *out, mode_t mode) {
   const char *slash = strrchr(out->path, '/');
   const int head = slash ? (int)(slash + 1 - out->path) : 0;
@@ -78,7 +78,7 @@ dls_status dlsi_output_open(dlsi_output *out, const char *path, dls_error *error
   const mode_t mode = there ? old.st_mode & 0777 : 0666;
   const int fd = output_open_beside(out, mode);
   if (fd < 0) return output_fail(errno, text, error);
-  /* the umask has taken bits that the old file had; a file system without modes does no harm */
+  /* the umask has removed bits that the old file had; a file system without modes does no harm */
   if (there && fchmod(fd, mode)) errno = 0;
   out->file = fdopen(fd, "w");
   if (out->file) return DLS_OK;

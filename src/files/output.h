@@ -1,4 +1,4 @@
-/* output.h: writes files that are either the old ones or whole new ones. */
+/* output.h: writes files so that either the whole new file exists or the old one stays. */
 #ifndef DLSI_OUTPUT_H
 #define DLSI_OUTPUT_H
 
@@ -6,23 +6,23 @@
 
 #include "delassus/status.h"
 
-/* A file that is being written: the library and the program write every file this way. */
+/* A file that is being written: the library and the program write every file by it. */
 enum { dlsi_longest_path = 4096 };
 typedef struct dlsi_output {
   FILE *file;                        /* to print into; NULL: none is open */
-  char path[dlsi_longest_path];      /* what links lead to */
+  char path[dlsi_longest_path];      /* the end of the links */
   char temporary[dlsi_longest_path]; /* name until the file is whole; "": path is written itself */
 } dlsi_output;
 
-/* Opens a file that will take the place of `path` when it is finished. DLS_E_FILE: cannot be
- * written there; nothing happened. */
+/* Opens a file that will replace `path` when it is finished. DLS_E_FILE: cannot be written there;
+ * nothing happened. */
 dls_status dlsi_output_open(dlsi_output *out, const char *path, dls_error *error);
 
-/* Closes the file, brings it to the disk and puts it in its place. DLS_E_FILE: any write before or
- * one of these steps failed; what was there before is still there. */
+/* Closes the file, brings it to the disk and puts it in its place. DLS_E_FILE: an earlier write or
+ * one of these steps failed; the old file is still there. */
 dls_status dlsi_output_finish(dlsi_output *out, dls_error *error);
 
-/* Gives the file up: what was there before is still there. Nothing happens where none is open. */
+/* Gives the file up: the old file is still there. Does nothing if none is open. */
 void dlsi_output_drop(dlsi_output *out);
 
 #endif

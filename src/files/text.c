@@ -1,9 +1,9 @@
 /*
- * text.c: reads small problems as people write them: a line is a key and its text, a matrix stands
- * row by row under its key. data/failures/README.md has the format.
+ * text.c: reads small problems as people write them: a line is a key and its text, a matrix follows
+ * its key row by row. data/failures/README.md has the format.
  *
- * Numbers are decimals or fractions p/q, with a decimal point whatever the host's locale says. The
- * file is read in one piece, which the lines point into.
+ * Numbers are decimals or fractions p/q, with a decimal point in every locale of the host. The file
+ * is read in one piece; the lines point into it.
  */
 #include <limits.h>
 #include <stdint.h>
@@ -14,11 +14,11 @@
 #include "files/file.h"
 
 typedef struct text_line {
-  char *key, *text; /* of a line that is no part of the problem */
+  char *key, *text; /* of a line that is not part of the problem */
 } text_line;
 
 struct dls_text {
-  char *content; /* the file; a line ends in 0 once it has been taken */
+  char *content; /* the file; a line ends in 0 after it has been read */
   int d, nc, n;  /* d = 0: an LCP of n unknowns; n = 0: not known yet */
   double *M, *q; /* n x n by columns; n */
   double *mu;    /* nc */
@@ -27,7 +27,7 @@ struct dls_text {
   int lines, room;
 };
 
-/* The place of reading. */
+/* The position while reading. */
 typedef struct text_reader {
   dls_text *to;
   char *next;       /* after the line */

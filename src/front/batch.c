@@ -1,13 +1,13 @@
 /*
  * batch.c: solves many problems with one set of settings and one workspace.
  *
- *   (BT1)  up to dlsi_lanes small problems in a row, of as many candidates each: swept side by side
- *          (vi/lanes.c), then measured one by one
- *   (BT2)  what the certificate does not accept, from there, and whatever is not small: the
- *          method's solve, in a workspace for the largest problem of its dimension, created when it
- *          is needed first
+ *   (BT1)  up to dlsi_lanes consecutive small problems with the same number of contacts: swept side
+ *          by side (vi/lanes.c), then measured one by one
+ *   (BT2)  problems that are not small, and those whose certificate does not hold, from that r: the
+ *          method's solve, in a workspace for the largest problem of its dimension, created at
+ *          first use
  *
- * What can fail: what fails for the method. No answer is taken from one problem to the next.
+ * What can fail: what fails for the method. Each answer is independent of the other problems.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,7 @@
 
 enum { batch_rows = 3 * dlsi_lane_candidates };
 
-/* What the problems of one dimension need. */
+/* Sizes of the problems of one dimension. */
 typedef struct batch_sizes {
   int nc, blocks; /* the largest ones */
   dls_solver *solver;
@@ -29,7 +29,7 @@ typedef struct batch {
   double *const *r, *const *u;
   dls_info *info;
   batch_sizes of[4];     /* d = 1, 2, 3 */
-  dlsi_lane_work *lanes; /* NULL: the settings do not let them */
+  dlsi_lane_work *lanes; /* NULL: the settings exclude them */
 } batch;
 
 /* Checks problem k, and takes its size. */
@@ -65,8 +65,8 @@ static int batch_count(const batch *all, int k, int count) {
   return found;
 }
 
-/* Takes the r of a lane, to problem k. Returns 0 if its certificate does not hold, or if the caller
- * wants to know of candidates with several solutions, and there are: *warm then says whether r is a
+/* Copies the r of a lane to problem k. Returns 0 if its certificate does not hold, or if the caller
+ * asks for contacts with several solutions, and there are some: *warm := 1 then if r is a good
  * start. */
 static int batch_take(const batch *all, int lane, int k, int sweeps, int *warm) {
   const dls_contact *problem = &all->problem[k];
@@ -92,7 +92,7 @@ static int batch_take(const batch *all, int lane, int k, int sweeps, int *warm) 
   return 1;
 }
 
-/* (BT2) warm: 1 from r[k], 0 as the settings say. */
+/* (BT2) warm: 1 from r[k], 0 as in the settings. */
 static dls_status batch_solve_one(batch *all, int k, int warm, dls_error *error) {
   const dls_contact *problem = &all->problem[k];
   batch_sizes *of = &all->of[problem->d];

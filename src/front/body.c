@@ -1,16 +1,16 @@
 /*
- * body.c: the answer of the body, not of W alone: dls_reduction_solve.
+ * body.c: the answer of the body, not only of W: dls_reduction_solve.
  *
- *   (BY1)  r := the solution on W, x := K^-1 (f + H r)                 not where modes are held
+ *   (BY1)  r := the solution on W, x := K^-1 (f + H r)                 not if modes are held
  *   (BY2)  the certificate of the pair (x, r) on K decides             dls_reduction_certify
- *   (BY3)  where it does not hold, method auto: the problem on K itself (global/), from (x, r).
- *          Springs hold nothing there, and no precision is lost in a W that is large beside the
- *          body: soft supports, bodies that contact alone holds
- *   (BY4)  dls_reduction_create_either: (BY3) at once, and no W, where that is foreseen to be
- *          cheaper, K is singular, or W is beyond the limit of memory
+ *   (BY3)  if it does not hold, method auto: the problem on K itself (global/), from (x, r). It
+ *          needs no springs, and loses no precision in a W that is large compared with the body:
+ *          soft supports, bodies that only contact holds
+ *   (BY4)  dls_reduction_create_either: (BY3) at once, and no W, if an estimate finds that cheaper,
+ *          K is singular, or W is beyond the limit of memory
  *
- * Cost: that of dls_solve, a product with K; where (BY3) is needed, factors of K + H R H^T, which
- * the reduction keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
+ * Cost: that of dls_solve, a product with K; for (BY3) factors of K + H R H^T, which the reduction
+ * keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
  */
 #include <float.h>
 #include <math.h>
@@ -22,11 +22,11 @@
 #include "front/front.h"
 #include "reduction/reduced.h"
 
-/* The problem on K, kept by the reduction. Where H has no tangents, d = 2 there with r_t = 0. */
+/* The problem on K, kept by the reduction. If H has no tangents, it has d = 2 with r_t = 0. */
 typedef struct companion {
   dls_global *global;
-  int d, of_H; /* rows of a contact there and in H */
-  double *x;   /* n: of the last solve, where the next one may start */
+  int d, of_H; /* rows of a contact on K and in H */
+  double *x;   /* n: of the last solve, the start of the next one */
 } companion;
 
 static void companion_destroy(void *of) {
@@ -37,7 +37,7 @@ static void companion_destroy(void *of) {
   free(it);
 }
 
-/* Makes it, or gives it the values of an update; another pattern needs another one. */
+/* Creates it, or gives it the values of an update; another pattern needs a new one. */
 static dls_status companion_fill(companion *it, const dls_model *model, dls_error *error) {
   if (it->global && !dls_global_update(it->global, model, error)) return DLS_OK;
   dls_global_destroy(it->global);
@@ -80,12 +80,12 @@ static dls_status companion_of(dls_reduction *reduction, companion **out, dls_er
 
 /* ---- W or K ---------------------------------------------------------------------------------- */
 
-/* Seconds of a 3 GHz core, for the choice alone: rates of dense products and of memory; of ordering
+/* Seconds of a 3 GHz core, only for the choice: rates of dense products and of memory; of ordering
  * and analysis per entry of K. */
 static const double dense_rate = 2e10, memory_rate = 1e10, per_analysed = 1.5e-7;
 enum { sweeps_on_W = 60, steps_on_K = 35, small_on_W = 100 };
 
-/* Returns what W takes that K does not: forming it and `loads` solves on it. */
+/* Returns the cost that W has and K has not: forming W and `loads` solves on it. */
 static double cost_of_W(const dlsi_reduced *of, int loads) {
   const double m = (double)of->H->d * of->H->candidates, b = of->H->kept;
   const double form = 2 * b * b * b / dense_rate;
@@ -97,8 +97,8 @@ static double entries_of_K(const dls_model *K) {
   return K->operator_kind == DLS_STIFFNESS_SPARSE ? (double)K->Ks.p[K->n] : (double)K->n * K->n;
 }
 
-/* *better := 1 if K is foreseen to be cheaper than W. Both take a factor and an analysis. The
- * reduction is on K; its companion, the analysis, is made where W does not take less than that. */
+/* *better := 1 if K is estimated to be cheaper than W. Both take a factor and an analysis. The
+ * reduction is on K. Its companion, the analysis, is created only if W costs more than that. */
 static dls_status foresee(dls_reduction *reduction, int loads, int *better, dls_error *error) {
   const dlsi_reduced of = dlsi_reduction_body(reduction);
   const double analysis = per_analysed * entries_of_K(&of.K), of_W = cost_of_W(&of, loads);
@@ -135,8 +135,8 @@ static dls_status check_memory_on_K(dls_reduction *reduction, double limit, dls_
                    1e-9 * limit);
 }
 
-/* Makes the reduction to W in the place of that on K, if there is one. A K that is singular and a W
- * beyond the limit stay on K. */
+/* Replaces the reduction to K, if there is one, by that to W. If K is singular or W beyond the
+ * limit, it stays on K. */
 static dls_status take_W(dls_reduction **out, const dls_model *model,
                          const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction *on_W = NULL;
@@ -152,7 +152,7 @@ static dls_status take_W(dls_reduction **out, const dls_model *model,
   return status;
 }
 
-/* Returns 1 for so few contacts that W is taken without a look at K. */
+/* Returns 1 for so few contacts that W is taken without checking K. */
 static int is_small(const dls_model *model) {
   const int candidates = model->P.p ? model->P.cols : model->nodes;
   return (double)model->d * candidates <= small_on_W;
@@ -192,8 +192,8 @@ dls_status dls_reduction_create_either(dls_reduction **out, const dls_model *mod
 
 /* ---- the solve ------------------------------------------------------------------------------- */
 
-/* (BY3) from (x, r), or without W from the last x and r, or from 0; in what is left of the time
- * since `begun`. Returns a status of dls_global_solve. */
+/* (BY3) from (x, r), or without W from the last x and r, or from 0; in the rest of the time since
+ * `begun`. Returns a status of dls_global_solve. */
 static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const dls_limits *limits,
                              double begun, double *r, double *x, dls_info *info, dls_error *error) {
   companion *it;
@@ -221,8 +221,8 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
   return status;
 }
 
-/* Returns the status of a solve that ended with `status`, by the certificate of the body. x carries
- * eps times the condition of K, which the rounding levels do not hold: up to 1e-8 that is
+/* Returns the status of a solve that ended with `status`, by the certificate of the body. x has an
+ * error of eps times the condition of K, which the rounding levels do not include: up to 1e-8 is
  * allowed. */
 static dls_status judge_body(const dls_certificate *c, double asked, double condition,
                              dls_status status) {
@@ -242,7 +242,7 @@ static dls_reason reason_on_K(dls_status status) {
                                                        : DLS_REASON_NO_PROGRESS;
 }
 
-/* Adds what was done on K, which ended with `status`, to the outcome on W. */
+/* Adds the outcome on K, which ended with `status`, to the outcome on W. */
 static void add_outcome(dls_info *all, const dls_info *on_K, dls_status status) {
   if (all->stages == DLS_STAGES_MAX) all->stages--;
   all->stage[all->stages++] = (dls_stage){.method = DLS_ADMM,
@@ -259,7 +259,7 @@ static void add_outcome(dls_info *all, const dls_info *on_K, dls_status status) 
   all->forces = DLS_FORCES_ANY;
 }
 
-/* What was said of other answers to W holds beside a certified answer alone. */
+/* Removes what info reports about other answers on W: it is true only with a certified answer. */
 static void forget_unproved(dls_info *info) {
   if (info->status == DLS_OK || info->status == DLS_TO_ROUNDING) return;
   info->unique = DLS_UNIQUE_UNKNOWN;
@@ -291,7 +291,7 @@ static dls_status solve_on_W(dls_reduction *reduction, const double *mu,
   return status ? status : judge_body(&outcome->certificate, settings->limits.tol, condition, on_W);
 }
 
-/* Refuses what the problem on K does not take. */
+/* Refuses arguments that the problem on K does not take. */
 static dls_status check_on_K(const dlsi_reduced *of, const double *mu,
                              const dls_solver_settings *settings, dls_error *error) {
   if (settings->method != DLS_AUTO)

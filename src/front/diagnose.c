@@ -1,12 +1,12 @@
 /*
  * diagnose.c: facts about a contact problem u = W r + q, see delassus/diagnose.h.
  *
- * W stands for the scaled matrix D^-1/2 W D^-1/2 from here on: with r_c = r'_c / sqrt(w_c), u_c =
- * sqrt(w_c) u'_c the laws of contact and friction, and mu, stay as they are.
+ * From here on W is the scaled matrix D^-1/2 W D^-1/2: with r_c = r'_c / sqrt(w_c), u_c = sqrt(w_c)
+ * u'_c the laws of contact and friction, and mu, stay the same.
  *
  * How large friction may be
  * -------------------------
- * Above. Let r = (1, mu e), e = -W_nt^T / |W_nt|, at candidate c alone, and u_c = (0, -e): slip.
+ * Above. Let r = (1, mu e), e = -W_nt^T / |W_nt|, at contact c alone, and u_c = (0, -e): slip.
  * Then q_c = u_c - W_cc r_c has q_n = mu |W_nt| - W_nn > 0 for mu > W_nn / |W_nt|, so that r = 0,
  * u_c = q_c is a second solution; large q_n keep all others free in both. Hence friction_critical.
  *
@@ -37,7 +37,7 @@
  *          = 2 k - g            if h >= k = sqrt(s t)     (tau = 1)
  *          = h + k^2 / h - g    if h <  k                 (tau = (k/h)^2)
  *
- * provided s, t > 0. The same lines with the thresholds mu_c b_c, mu_c b'_c in the place of mu_c
+ * provided s, t > 0. The same lines with the thresholds mu_c b_c, mu_c b'_c in place of mu_c
  * r_n, mu_c r'_n give |y| <= (mu / mu*) |b - b'|: the fixed point on the sliding threshold
  * contracts. Its step is a variational inequality of the operator diag(tau, 1) (W r + q), strongly
  * monotone by the case mu = 0 of the above, and so has one solution: the fixed point exists,
@@ -51,11 +51,10 @@
  * ray, but there phi_1 + phi_2 = 2 mu r_n + d_3 z0 > 0. So there is no ray, and Lemke's method
  * ends at the solution.
  *
- * What mu* is worth: for one candidate in 2D with W_nn W_tt >= 2 W_nt^2 it is W_nn / |W_nt|, the
- * exact value, and never more. For many candidates it falls with 1 / sqrt(condition number).
- * Projected Gauss-Seidel and Newton are not safe below it: data/failures/c13 has mu = 2 < mu* =
- * 2.83, and both cycle. (Gauss-Seidel solved 3600 of 3600 random problems, mu = 0.99 mu*, nc <=
- * 12.)
+ * How sharp mu* is: for one contact in 2D with W_nn W_tt >= 2 W_nt^2 it is W_nn / |W_nt|, the exact
+ * value, and never more. For many contacts it decreases as 1 / sqrt(condition number). Projected
+ * Gauss-Seidel and Newton may fail below it: data/failures/c13 has mu = 2 < mu* = 2.83, and both
+ * cycle. (Gauss-Seidel solved 3600 of 3600 random problems, mu = 0.99 mu*, nc <= 12.)
  *
  * Cost: eigenvalues of an m x m and of some smaller symmetric matrices, one inverse. What can
  * fail: s and t carry rounding errors of eps times the condition number, and so does mu*.
@@ -75,7 +74,7 @@ static void flaw_count(dls_flaw *flaw, int index) {
   if (flaw->count++ == 0) flaw->first = index;
 }
 
-/* ---- candidates ------------------------------------------------------------------------------ */
+/* ---- contacts -------------------------------------------------------------------------------- */
 
 /* Returns 1 if B (d x d, not 0) is singular to rounding. Gauss elimination with complete
  * pivoting. */
@@ -146,7 +145,7 @@ static void look_at_candidates(const dls_contact *problem, dls_diagnosis *g) {
 
 /* ---- symmetry, columns without effect -------------------------------------------------------- */
 
-/* The largest difference met so far, and the largest entry of each column (m), all scaled. */
+/* The largest difference so far, and the largest entry of each column (m), all scaled. */
 typedef struct comparison {
   const double *scale; /* nc: 1 / sqrt(w_c) */
   double difference, *column;
@@ -209,7 +208,7 @@ static void compare_block(comparison *k, int d, int a, int c, double *x) {
   }
 }
 
-/* Forms, for each c, block column c less block row c transposed. X: scratch, nc blocks of d x d,
+/* Forms, for each c, block column c minus block row c transposed. X: scratch, nc blocks of d x d,
  * all 0. */
 static void compare_blocks(const dls_blocks *B, const block_rows *rows, comparison *k, double *X) {
   const int d = B->d;
@@ -269,7 +268,7 @@ static dls_status look_at_symmetry(const dls_contact *problem, const double *sca
 
 enum { eigen_work = 34 }; /* dsyev: (block size 32 + 2) n doubles */
 
-/* Fills A (m x m) with the scaled W, the normal rows and columns of all candidates first. */
+/* Fills A (m x m) with the scaled W, the normal rows and columns of all contacts first. */
 static void scaled_matrix(const dls_contact *problem, const double *scale, double *A) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
   for (size_t e = 0; e < m * m; e++)
@@ -289,8 +288,8 @@ static void scaled_matrix(const dls_contact *problem, const double *scale, doubl
 }
 
 /* Finds the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension ld).
- * Returns 0 if that has an entry beyond the range of numbers or LAPACK did not converge. H:
- * scratch, n x n. value: n. work: scratch, 34 n. */
+ * Returns 0 if an entry of it overflows or LAPACK did not converge. H: scratch, n x n. value: n.
+ * work: scratch, 34 n. */
 static int eigenvalues(int n, const double *X, int ld, double *H, double *value, double *work) {
   const size_t N = (size_t)n, L = (size_t)ld;
   for (size_t j = 0; j < N; j++)
@@ -421,7 +420,7 @@ static int sweeps_solve(const dls_contact *problem, double *r) {
   return status < 0 ? -1 : status == DLS_OK;
 }
 
-/* Looks whether the transpose of an unsymmetric W has an answer where W has none. DLS_E_MEMORY. */
+/* Checks if the transpose of an unsymmetric W has an answer where W has none. DLS_E_MEMORY. */
 static dls_status look_at_transpose(const dls_contact *problem, dls_diagnosis *g) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   if (!(g->asymmetry > 1e-10) || g->closing == 0) return DLS_OK;
@@ -470,7 +469,7 @@ static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis 
                      .friction_critical = INFINITY,
                      .critical = -1,
                      .wedged = none};
-  if (problem->nc == 0) { /* one answer, which has no entry */
+  if (problem->nc == 0) { /* one answer, without entries */
     g.spectrum = 1;
     g.rank = g.negative = 0;
     g.friction_unique = INFINITY;

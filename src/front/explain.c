@@ -1,4 +1,4 @@
-/* explain.c: what auto did with a problem and why, in words. */
+/* explain.c: explains in words what auto did with a problem and why. */
 #include <float.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -6,7 +6,7 @@
 #include "base/base.h"
 #include "delassus/solve.h"
 
-/* A text that grows; what does not fit is counted alone. */
+/* A text that grows; text that does not fit is only counted. */
 typedef struct words {
   char *text;
   size_t room, length;

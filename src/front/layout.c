@@ -1,6 +1,6 @@
 /*
- * layout.c: tells other languages the layouts of the public structs. layout.awk writes the lists of
- * names from the headers when the library is built; the compiler gives offsets, sizes and types.
+ * layout.c: gives other languages the layouts of the public structs. layout.awk writes the lists of
+ * names from the headers when the library is built; the compiler adds offsets, sizes and types.
  */
 #include "delassus/layout.h"
 

@@ -109,7 +109,7 @@ static dls_status solver_make_memory(dls_solver *solver, dls_error *error) {
   return DLS_OK;
 }
 
-/* Sets info->error of a solved problem. */
+/* Sets info->error of a solved problem whose W may hide an error. */
 static void solver_predict(const dls_solver *solver, const dls_contact *problem, const double *r,
                            dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
@@ -117,6 +117,7 @@ static void solver_predict(const dls_solver *solver, const dls_contact *problem,
   if (!problem->W.a && m > dlsi_predicted_of_blocks) return;
   double *J = solver->room, *x = J + m * m, *u = x + m, *w = u + m;
   dlsi_certificate_weights(problem, w);
+  if (!dlsi_may_hide_error(problem, w)) return;
   dlsi_contact_multiply(problem, NULL, r, u, NULL);
   const double predicted = dlsi_predict_error(problem, r, u, w, J, x);
   info->error = predicted < 0 ? INFINITY : predicted; /* W does not determine r */

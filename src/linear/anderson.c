@@ -6,25 +6,25 @@
  *   (AN2)  gamma = argmin | f_k - DF gamma |_2
  *   (AN3)  x_k+1 = g_k - DG gamma,  u_k+1 = u_k - DU gamma
  *
- * u is any affine function of g, here W g + q: its combination costs no product with W. A caller
- * who has none does without.
+ * u is any affine function of g, here W g + q: to combine it costs no product with W. u is
+ * optional.
  *
  * (AN2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1,
  * and L D L^T from the newest column to the oldest. A column that is a combination of newer ones up
- * to `dependent` of its length gets gamma = 0. DF^T f_k is that of the step before and the new row,
- * f_k being f_k-1 + df: one pass over DF does for both.
+ * to `dependent` of its length gets gamma = 0. DF^T f_k is the previous DF^T f_k-1 plus the new
+ * row, as f_k = f_k-1 + df: one pass over DF computes both.
  *
- *   (AN4)  Where |gamma|_1 > 1e4: gamma := 1e4 gamma / |gamma|_1 if the caller asks for it, else
- *          x := g_k without a history. Slow sweeps need (AN4): their f hardly changes from one to
- *          the next, and gamma is about 1 / (1 - rate)
+ *   (AN4)  If |gamma|_1 > 1e4: gamma := 1e4 gamma / |gamma|_1 if the caller asks for it, else
+ *          x := g_k without a history. Slow sweeps need (AN4): their f hardly changes from step to
+ *          step, and gamma is about 1 / (1 - rate)
  *
  * Source: Anderson 1965; Walker and Ni, SIAM J. Numer. Anal. 49 (2011), type II. With window = 1 it
  * is Aitken's process for vectors in the form of Irons and Tuck 1969. Deviation: Walker and Ni
- * update a QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of
- * gamma, is an error in the choice of x_k+1, not in the fixed point.
+ * update a QR factorisation. The Gram matrix costs less. Its rounding, half of the digits of gamma,
+ * is an error in the choice of x_k+1, not in the fixed point.
  *
  * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of products.c:
- * a BLAS takes as long for its call where m is small, and threads where it is not.
+ * for small m a call of BLAS takes as long as the work, for large m it would use threads.
  */
 #include "linear/anderson.h"
 
@@ -32,11 +32,11 @@
 #include <math.h>
 #include <string.h>
 
-/* the Gram matrix knows a sine of less than sqrt(eps) as nothing but rounding */
+/* in the Gram matrix a sine of less than sqrt(eps) is only rounding */
 static const double dependent = 1e-5;
 
-/* (AN3) multiplies the rounding of u by up to 1 + 2 |gamma|_1, which no later step takes back.
- * Beyond this bound gamma is shortened to it (a->shortens), or the history is forgotten. */
+/* (AN3) multiplies the rounding of u by up to 1 + 2 |gamma|_1. No later step removes that. Beyond
+ * this bound gamma is shortened to it (a->shortens), or the history is forgotten. */
 static const double largest = 1e4;
 
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u) {
@@ -58,7 +58,7 @@ void dlsi_anderson_clear(dlsi_anderson *a) {
   a->started = a->columns = a->newest = 0;
 }
 
-/* (AN1) Puts the differences to the step before into the column of the oldest; keeps f, g, u. */
+/* (AN1) Replaces the oldest column by the differences to the last step; keeps f, g, u. */
 static void anderson_remember(dlsi_anderson *a, size_t m, const double *f, const double *g,
                               const double *u) {
   if (a->started) {
@@ -83,8 +83,7 @@ static int anderson_column(const dlsi_anderson *a, int i) {
   return a->newest >= i ? a->newest - i : a->newest - i + a->columns;
 }
 
-/* The new row of the scaled Gram matrix, in the place of whose diagonal stands 1 / |df_j|; b :=
- * DF^T f */
+/* The new row of the scaled Gram matrix, with 1 / |df_j| instead of the diagonal; b := DF^T f */
 static void anderson_new_row(dlsi_anderson *a, size_t m, double *row, double *b) {
   const int n = a->columns, new = a->newest;
   const size_t k = (size_t)a->window, at = (size_t) new;
@@ -99,7 +98,7 @@ static void anderson_new_row(dlsi_anderson *a, size_t m, double *row, double *b)
   a->gram[(k + 1) * at] = scale;
 }
 
-/* (AN2) Returns 0 if gamma is not finite, or too large and not to be shortened. */
+/* (AN2) Returns 0 if gamma is not finite, or too large and must not be shortened. */
 static int anderson_minimise(dlsi_anderson *a, size_t m, double *gamma) {
   const int n = a->columns, k = a->window;
   double *L = a->L, *y = a->work + k, *b = a->work + 2 * (size_t)k;

@@ -21,8 +21,8 @@ void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int wind
 void dlsi_anderson_clear(dlsi_anderson *a);
 
 /* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g) into the history; g and u become
- * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g: m, as
- * many as since clear; u: of_u, NULL where that is 0. */
+ * the next x and u(x). Returns 0, g and u untouched, if there is nothing to combine. f, g: m, the
+ * same m as since clear; u: of_u, NULL if that is 0. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 #endif

@@ -1,10 +1,10 @@
 /*
  * blas.c: refuses a BLAS that the library cannot call.
  *
- * A BLAS with integers of 64 bits reads 64 where an int is passed, and takes what is beside it as
- * the upper half: a crash, or wrong numbers. So one function that does nothing for n <= 0 gets
- * n = 1 with INT_MIN beside it. 64 bits see a negative n: the lower half comes first in memory.
- * Processors with the upper half first are not checked.
+ * A BLAS with integers of 64 bits reads 64 bits where an int is passed: its neighbour in memory
+ * becomes the upper half. The result is a crash, or wrong numbers. The test calls a function that
+ * does nothing for n <= 0, with n = 1 and INT_MIN next to it. 64 bits see a negative n, as the
+ * lower half comes first in memory. Processors with the upper half first are not checked.
  */
 #include "linear/blas.h"
 

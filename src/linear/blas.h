@@ -1,6 +1,6 @@
 /*
- * blas.h: the one place where BLAS and LAPACK are declared, as their Fortran symbols with the
- * hidden lengths of the character arguments (gfortran convention: size_t, at the end).
+ * blas.h: the only file that declares BLAS and LAPACK, as their Fortran symbols with the hidden
+ * lengths of the character arguments (gfortran convention: size_t, at the end).
  */
 #ifndef DLSI_BLAS_H
 #define DLSI_BLAS_H
@@ -9,15 +9,15 @@
 
 #include "delassus/status.h"
 
-/* Checks that the integers of the BLAS at hand have 32 bits, some 10 ns. Is called where a
- * workspace for BLAS or LAPACK is created. DLS_E_UNSUPPORTED, naming "BLAS". */
+/* Checks that the integers of the BLAS have 32 bits, some 10 ns. Call it when a workspace for BLAS
+ * or LAPACK is created. DLS_E_UNSUPPORTED, naming "BLAS". */
 dls_status dlsi_check_blas(dls_error *error);
 
 /* Checks one function of a BLAS, x := alpha x, as dscal_. */
 typedef void dlsi_scale(const int *n, const double *alpha, double *x, const int *incx);
 dls_status dlsi_check_scale(dlsi_scale *scale, dls_error *error);
 
-/* Checks what a product gives, too. */
+/* Also checks the result of a product. */
 dls_status dlsi_check_product(dls_error *error);
 
 void dscal_(const int *n, const double *alpha, double *x, const int *incx);

@@ -10,13 +10,13 @@
  *   solve    (CH11)  forward, s = 0, 1, ..: x_s := L_ss^-1 x_s, x_rows -= L_rows x_s
  *            (CH12)  backward, s = .., 1, 0: x_s := L_ss^-T (x_s - L_rows^T x_rows)
  *
- * condense ends (CH11) before c and keeps where it stands; expand begins (CH12) below c, with the
- * x_c that it is given. Together they are one solve.
+ * condense stops (CH11) before c and keeps its state; expand starts (CH12) below c, with the x_c
+ * that it is given. Together they are one solve.
  *
- * Written for the halves, which no sparse library with a permissive licence gives together with a
- * set of unknowns last; for loads and recoveries of some microseconds, where a call of a general
- * library costs more than the work; and for errors instead of printed words. Cost: 2 flops per
- * entry of L and half solve. Fails: a pivot that is not positive, no memory.
+ * Why not a library: no sparse library with a permissive licence has both halves and a set of
+ * unknowns at the end; loads and recoveries take some microseconds, less than the call of a general
+ * library; and errors must be returned, not printed. Cost: 2 flops per entry of L and half solve.
+ * Fails: a pivot that is not positive, no memory.
  */
 #include "linear/cholesky.h"
 
@@ -50,7 +50,7 @@ static int cholesky_alone(const dlsi_cholesky *work) {
 
 /* ---- factor ---------------------------------------------------------------------------------- */
 
-/* Puts d, whose next row is row[todo[d]], on the list of the supernode that owns it. */
+/* Puts d, with its next row row[todo[d]], on the list of the supernode that owns this row. */
 static void cholesky_enlist(dlsi_cholesky *work, int d) {
   if (work->todo[d] == work->start[d + 1]) return;
   const int s = work->owner[work->row[work->todo[d]]];
@@ -147,8 +147,8 @@ double *dlsi_cholesky_of_kept(const dlsi_cholesky *work) {
 
 /* ---- solve ----------------------------------------------------------------------------------- */
 
-/* Subtracts the n columns of A (m x n, leading dimension ld) times x from t. n is 1 to 4, and known
- * to the compiler where this inlines. */
+/* Subtracts the n columns of A (m x n, leading dimension ld) times x from t. n is 1 to 4, a
+ * constant when inlined. */
 static DLSI_INLINE void panel_subtract(size_t n, size_t m, const double *restrict A, size_t ld,
                                        const double *x, double *restrict t) {
   const double x0 = x[0], x1 = n > 1 ? x[1] : 0, x2 = n > 2 ? x[2] : 0, x3 = n > 3 ? x[3] : 0;
@@ -163,8 +163,8 @@ static DLSI_INLINE void panel_subtract(size_t n, size_t m, const double *restric
 
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* Computes y := A^T t, each product in four sums, so that the bits do not depend on the width of
- * the machine's vectors. */
+/* Computes y := A^T t, each product as four sums: the bits then do not depend on the width of the
+ * machine's vectors. */
 static DLSI_INLINE void panel_dot(size_t n, size_t m, const double *A, size_t ld, const double *t,
                                   double *y) {
   four sum[4] = {{0}};
@@ -179,8 +179,8 @@ static DLSI_INLINE void panel_dot(size_t n, size_t m, const double *A, size_t ld
       y[k] += A[i + k * ld] * t[i];
 }
 
-/* (CH11) for one panel, four columns at a time. t: x_s, then zeros, from which L_rows x_s is
- * subtracted. pivot: reciprocals of the diagonal. */
+/* (CH11) for one panel, four columns at a time. t: x_s, then zeros; receives x_s and -L_rows x_s.
+ * pivot: reciprocals of the diagonal. */
 DLSI_CLONES static void panel_forward(size_t columns, size_t height, const double *L,
                                       const double *pivot, double *t) {
   for (size_t j = 0; j < columns; j += 4) {

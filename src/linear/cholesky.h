@@ -1,7 +1,7 @@
 /*
  * cholesky.h: A = L L^T of a sparse symmetric positive definite matrix by supernodes: columns of L
- * with the same rows below them stand as one dense panel. The last `kept` unknowns c of the order
- * are one supernode: its panel is the factor of S = A_cc - A_ci A_ii^-1 A_ic.
+ * with the same rows below them form one dense panel. The last `kept` unknowns c of the order are
+ * one supernode: its panel is the factor of S = A_cc - A_ci A_ii^-1 A_ic.
  *
  * A position is the number of an unknown in the order of elimination.
  */
@@ -26,16 +26,16 @@ typedef struct dlsi_cholesky {
   size_t update;     /* entries of the largest update */
   double flops;      /* of the factorisation */
   double *pivot;     /* n: reciprocals of the diagonal of L */
-  double *y, *held;  /* n: of the solve under way; L^-1 b of dlsi_cholesky_condense */
+  double *y, *held;  /* n: of the current solve; L^-1 b of dlsi_cholesky_condense */
   double *x;         /* longest */
   int *head, *next;  /* count: list of supernodes whose next update is for this one */
   size_t *todo;      /* count: the first row of a supernode that has not updated */
-  int *local;        /* n: place of a position in the panel under way */
-  dlsi_watch *watch; /* the caller's: looks on while dlsi_cholesky_factor works; NULL: nobody */
+  int *local;        /* n: place of a position in the current panel */
+  dlsi_watch *watch; /* the caller's, for dlsi_cholesky_factor; or NULL */
 } dlsi_cholesky;
 
 /* Analyses the graph of the entries (row[k], col[k]), k < entries, counted from 1, of one triangle.
- * order: the turn of each unknown, counted from 1, the last `kept` are c; n. *out = NULL on error.
+ * order: the place of each unknown, counted from 1, n; the last `kept` are c. *out = NULL on error.
  * DLS_E_MEMORY. */
 dls_status dlsi_cholesky_create(dlsi_cholesky **out, int n, size_t entries, const int *row,
                                 const int *col, const int *order, int kept, dls_error *error);
@@ -51,8 +51,8 @@ double *dlsi_cholesky_of_kept(const dlsi_cholesky *work);
 dls_status dlsi_cholesky_solve(dlsi_cholesky *work, double *X, int nrhs, dls_error *error);
 
 /* The two halves of a solve of A x = b + (0, h_c). condense takes b (n; NULL for 0), keeps the
- * forward pass and gives z := b_c - A_ci A_ii^-1 b_i (kept); expand takes x_c = S^-1 (z + h_c) and
- * gives all of x (n), as often as there is another h. */
+ * forward pass and computes z := b_c - A_ci A_ii^-1 b_i (kept). expand takes x_c = S^-1 (z + h_c)
+ * and computes all of x (n). It may run once for each h. */
 void dlsi_cholesky_condense(dlsi_cholesky *work, const double *b, double *z);
 void dlsi_cholesky_expand(dlsi_cholesky *work, const double *xc, double *x);
 

@@ -6,9 +6,9 @@
  *          127-148), and its postorder, which becomes the order
  *   (CH3)  entries of each column of L: row k holds the columns on the paths from its neighbours
  *          up to k
- *   (CH4)  supernodes: chains of the tree where a column has the rows of the one before it but one
- *   (CH5)  merge a supernode into the next one, its parent, if no more than `spare` zeros come in,
- *          nor a third of the panel: a long chain would become one of nothing else
+ *   (CH4)  supernodes: chains of the tree in which a column has all rows of the last one but one
+ *   (CH5)  merge a supernode into the next one, its parent, if that adds at most `spare` zeros and
+ *          fills at most a third of the panel with them: else a long chain could be mostly zeros
  *   (CH6)  rows of the supernodes, by the paths of (CH3) on their tree; they come out ascending
  *   (CH7)  the place of each entry of A in L
  *
@@ -20,8 +20,8 @@
 
 #include "linear/cholesky.h"
 
-/* Zeros that a supernode may bring in to be merged: with half the number or with twice as many,
- * solves take as long, so that the fewer supernodes decide. */
+/* Zeros that a merge of supernodes may add. Half the number or twice as many give the same time per
+ * solve: then fewer supernodes are better. */
 enum { spare = 100 };
 static const double share = 1. / 3; /* (CH5) */
 
@@ -67,8 +67,8 @@ static void analyse_tree(analysis *g) {
   }
 }
 
-/* (CH2) Renumbers the positions of `to` and the tree. The children of a node come in a row, the one
- * with the highest number right before it. */
+/* (CH2) Renumbers the positions of `to` and the tree. The children of a node are consecutive, the
+ * one with the highest number right before the node. */
 static void analyse_postorder(analysis *g, dlsi_cholesky *to) {
   int *child = g->a, *sibling = g->b, *stack = g->mark, *turn = to->unknown;
   int next = 0, top = 0, root = -1;
@@ -127,7 +127,7 @@ static int analyse_chains(const analysis *g, dlsi_cholesky *to, const int *count
 }
 
 /* (CH5) Merges, appends c, and makes parent the tree of the supernodes. size: rows of the panels,
- * which begin with the entries of their first columns; scratch, n. */
+ * which start with the entries of their first columns; scratch, n. */
 static void analyse_merge(analysis *g, dlsi_cholesky *to, const int *count, int chains) {
   int *first = to->first, *size = g->a, *joins = g->b;
   double padded = 0, width = 0; /* zeros and columns of the panel that grows */

@@ -11,7 +11,7 @@ static int dense_alone(const dlsi_dense *f) {
   return dlsi_is_small((size_t)f->n * (size_t)f->n);
 }
 
-/* Compares in tiles: both triangles then stay in the cache. */
+/* Compares in tiles, so that both triangles stay in the cache. */
 int dlsi_is_symmetric(const double *A, size_t n) {
   enum { tile = 32 };
   for (size_t j0 = 0; j0 < n; j0 += tile)
@@ -64,8 +64,8 @@ int dlsi_dense_lu(dlsi_dense *f) {
   return dlsi_getrf(dense_alone(f), f->n, f->A, f->n, f->pivot);
 }
 
-/* Halves A where the exponent of its largest |diagonal entry| is odd, so that the square roots of
- * Cholesky keep every bit when A is multiplied by a power of two. */
+/* Halves A if the exponent of its largest |diagonal entry| is odd. The square roots of Cholesky
+ * then keep every bit if A is multiplied by a power of two. */
 static void dense_halve(dlsi_dense *f) {
   const size_t n = (size_t)f->n;
   double most = 0;
@@ -85,7 +85,7 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal) {
   for (size_t j = 0; j < n; j++)
     diagonal[j] = A[j + n * j];
   if (!dlsi_dense_cholesky(f)) return 0;
-  for (size_t j = 0; j < n; j++) { /* the upper triangle still is A's */
+  for (size_t j = 0; j < n; j++) { /* the upper triangle is still A's */
     A[j + n * j] = diagonal[j];
     for (size_t i = j + 1; i < n; i++)
       A[i + n * j] = A[j + n * i];
@@ -104,7 +104,7 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
   else if (nrhs > 1) {
     dlsi_trsm(alone, 'L', 'L', 'N', 'N', n, nrhs, f->A, n, X, ld);
     dlsi_trsm(alone, 'L', 'L', 'T', 'N', n, nrhs, f->A, n, X, ld);
-  } else { /* dpotrs, made for many columns, takes three times as long for one in OpenBLAS */
+  } else { /* dpotrs is made for many columns; for one, OpenBLAS takes three times as long */
     dtrsv_("L", "N", "N", &n, f->A, &n, X, &one, 1, 1, 1);
     dtrsv_("L", "T", "N", &n, f->A, &n, X, &one, 1, 1, 1);
   }
@@ -122,7 +122,7 @@ void dlsi_dense_solve_transposed(const dlsi_dense *f, double *x) {
   dgetrs_("T", &n, &one, f->A, &n, f->pivot, x, &n, &info, 1);
 }
 
-/* Solves for columns of 1: with L those from j on need rows from j on only. */
+/* Solves for unit columns: with L columns from j on need only rows from j on. */
 int dlsi_dense_inverse(const dlsi_dense *f, double *Z, dlsi_watch *watch) {
   const size_t n = (size_t)f->n;
   const int alone = dense_alone(f), columns = alone ? 64 : 256;

@@ -34,8 +34,8 @@ int dlsi_dense_lu(dlsi_dense *f);
 /* Works as dlsi_dense_cholesky; returns dlsi_stopped (pieces.h) if the host cancels. */
 int dlsi_dense_cholesky_watched(dlsi_dense *f, dlsi_watch *watch);
 
-/* Tries Cholesky where A is symmetric, then LU; to the same bits if A is multiplied by a power of
- * two. diagonal: scratch, n. */
+/* Tries Cholesky if A is symmetric, then LU; to the same bits if A is multiplied by a power of two.
+ * diagonal: scratch, n. */
 int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 
 /* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */
@@ -44,8 +44,8 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs);
 /* Solves x := A^-T x, n. */
 void dlsi_dense_solve_transposed(const dlsi_dense *f, double *x);
 
-/* Z := A^-1, of Cholesky the lower triangle only, the upper one being lost. Z: n x n.
- * Returns 1 if the host cancels; watch = NULL: nobody looks on. */
+/* Z := A^-1; of Cholesky only the lower triangle, the upper one is lost. Z: n x n. Returns 1 if the
+ * host cancels; watch may be NULL. */
 int dlsi_dense_inverse(const dlsi_dense *f, double *Z, dlsi_watch *watch);
 
 /* Returns 1 / (|A|_1 |A^-1|_1) by estimate. norm: |A|_1; work: scratch, 4 n; iwork: scratch, n. */

@@ -3,19 +3,19 @@
  * J. Sci. Comput. 20, 1998, 359-392).
  *
  *   (DS1)  list the neighbours of each unknown, each of them once
- *   (DS2)  merge unknowns with equal neighbourhoods, themselves included, into one vertex: the d
- *          unknowns of a node, which divides vertices by d and edges by d^2. Such unknowns are
- *          neighbours.
+ *   (DS2)  merge unknowns with equal neighbourhoods, themselves included, into one vertex: such
+ *          unknowns are neighbours. They are the d unknowns of a node, which divides vertices by d
+ *          and edges by d^2
  *   (DS3)  call METIS on the vertices, weighted by the number of their unknowns
  *   (DS4)  go back from vertices to unknowns
  *
  * METIS merges vertices, too, but then draws two separators where one is enough: 0.5 s more of 3.4
  * s in 2D (320,800 unknowns).
  *
- * METIS draws from rand(), whose state belongs to the host: (DS3) puts the state back. METIS also
- * holds SIGABRT and SIGTERM while it runs, for its own lack of memory, and puts them back as
- * handlers of one signal: (DS3) puts back what there was. A SIGTERM of the host ends METIS: it is
- * handed on to the host, and where the host goes on, METIS begins again.
+ * METIS draws from rand(), whose state belongs to the host: (DS3) restores the state. METIS also
+ * catches SIGABRT and SIGTERM while it runs, in case it lacks memory, and afterwards restores them
+ * as handlers of one signal: (DS3) restores the host's handlers. A SIGTERM sent to the host ends
+ * METIS: it is passed to the host, and if the host goes on, METIS starts again.
  * Cost: O(entries), and METIS. Fails: no memory.
  */
 #define _XOPEN_SOURCE 600 /* initstate, setstate, sigaction */
@@ -115,7 +115,7 @@ static idx_t graph_merge(graph *g) {
 }
 
 /* Makes `other` the neighbours of the vertices, in place. Vertices are neighbours if and only if
- * their first unknowns are. Returns 0 if METIS cannot count so many. */
+ * their first unknowns are. Returns 0 if there are more than METIS can count. */
 static int graph_contract(graph *g, idx_t count) {
   size_t end = 0;
   for (idx_t v = 0; v < count; v++) {
@@ -130,8 +130,8 @@ static int graph_contract(graph *g, idx_t count) {
   return 1;
 }
 
-/* Asks for more memory than METIS will, which prints when it gets none. Returns 1 if it is
- * there. */
+/* Asks for more memory than METIS will: METIS prints if it gets none. Returns 1 if there is
+ * enough. */
 static int metis_has_memory(idx_t count, idx_t edges) {
   void *trial = dlsi_alloc(64 * (size_t)count + 24 * (size_t)edges, 1);
   free(trial);
@@ -162,8 +162,7 @@ static int metis_run(graph *g, idx_t count) {
   return answer;
 }
 
-/* (DS4) order: unknowns in the order of elimination, n. x serves as the next place of each
- *       vertex. */
+/* (DS4) order: unknowns in the order of elimination, n. x becomes the next place of each vertex. */
 static void graph_spread(graph *g, idx_t count, int *order) {
   memset(g->x, 0, ((size_t)count + 1) * sizeof *g->x);
   for (idx_t v = 0; v < count; v++)

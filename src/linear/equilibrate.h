@@ -4,9 +4,9 @@
 
 #include "base/base.h"
 
-/* Finds powers of two that bring the largest entry of each row and column of R K C near 1; each of
- * several entries in one place counts by itself. symmetric: 1 gives R = C and passes over the
- * entries above the diagonal. R, C: n; scratch: 2 n. */
+/* Finds powers of two that bring the largest entry of each row and column of R K C near 1. Entries
+ * in one place count separately. symmetric: 1 gives R = C and skips the entries above the diagonal.
+ * R, C: n; scratch: 2 n. */
 void dlsi_find_scales(const dls_sparse *K, int symmetric, double *R, double *C, double *scratch);
 
 #endif

@@ -1,7 +1,7 @@
 /*
  * mumps.h: calls MUMPS for sparse_lu.c and schur.c. Codes, ICNTL and INFOG are numbered as in the
- * users' guide of MUMPS 5.5. Nothing is printed. MUMPS keeps state of its own during a call: one
- * thread at a time is let in.
+ * users' guide of MUMPS 5.5. Nothing is printed. MUMPS keeps state of its own during a call: only
+ * one thread at a time may call it.
  */
 #ifndef DLSI_MUMPS_H
 #define DLSI_MUMPS_H
@@ -10,8 +10,8 @@
 
 #include "base/base.h"
 
-/* the communicator of a process that factors alone: the one number that the sequential MUMPS knows,
- * or, in libdelassus-mpi, which has the parallel MUMPS, a communicator of this process */
+/* the communicator of a process that factors alone: the sequential MUMPS has only this number; the
+ * parallel MUMPS of libdelassus-mpi takes a communicator of this process */
 #ifdef DLSI_MPI
 #include <mpi.h>
 #define DLSI_MUMPS_ALONE MPI_Comm_c2f(MPI_COMM_SELF)
@@ -22,7 +22,7 @@
 #define ICNTL(k) icntl[(k)-1]
 #define INFOG(k) infog[(k)-1]
 
-/* jobs, and the values of INFOG(1) that mean something here */
+/* jobs, and the values of INFOG(1) that are used here */
 enum { start = -1, end = -2, analyse = 1, factorise = 2, solve = 3 };
 enum { singular_structure = -6, singular = -10, small_integers = -8, small_reals = -9 };
 
@@ -58,8 +58,8 @@ static inline void dlsi_mumps_end(DMUMPS_STRUC_C *M) {
   (void)dlsi_mumps_run(M, end, "", NULL);
 }
 
-/* Factors. Pivoting may take more room than was foreseen, by ICNTL(14) per cent: more is foreseen
- * then. */
+/* Factors. If pivoting takes more room than the estimate plus ICNTL(14) per cent, raises ICNTL(14)
+ * and tries again. */
 static inline dls_status dlsi_mumps_factor(DMUMPS_STRUC_C *M, const char *matrix,
                                            dls_error *error) {
   enum { most_relaxation = 1000 };

@@ -1,7 +1,7 @@
 /*
- * mumps_none.c: stands for schur.c, sparse_lu.c and dissection.c in a build without MUMPS. create
- * answers DLS_E_UNSUPPORTED, and so does dlsi_dissection; no other function is ever reached,
- * because there is nothing to call it with.
+ * mumps_none.c: replaces schur.c, sparse_lu.c and dissection.c in a build without MUMPS. create and
+ * dlsi_dissection return DLS_E_UNSUPPORTED. No other function is ever reached: there is no object
+ * to call it with.
  */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 

@@ -1,7 +1,6 @@
 /*
- * operator.c: builds H = L P without what the scene does not need: inactive candidates, and the
- * tangents of candidates without friction. In a scene without friction, candidates have
- * one row.
+ * operator.c: builds H = L P without what the scene does not need: inactive contacts, and the
+ * tangents of contacts without friction. In a scene without friction each contact has one row.
  *
  * H^T is kept by columns, one for each unknown: a part of K then finds its rows of H without a
  * search. Cost: O(nnz H). Fails: no memory, more than INT_MAX entries.
@@ -12,7 +11,7 @@
 
 #include "linear/operator.h"
 
-/* Copies P and mu of the active candidates. */
+/* Copies P and mu of the active contacts. */
 static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, int frictionless,
                                       dls_error *error) {
   const dls_sparse *P = &model->P;

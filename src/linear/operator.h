@@ -9,7 +9,7 @@
 typedef struct dlsi_operator {
   int d;           /* rows of H^T per candidate: 1 where H = H_N */
   int candidates;  /* active ones */
-  dlsi_columns P;  /* nodes x candidates; the unit matrix's columns where the model has no P */
+  dlsi_columns P;  /* nodes x candidates; the unit matrix if the model has no P */
   double *mu;      /* candidates; NULL if the model has none */
   dlsi_columns Ht; /* H^T, m x n; entries of one place are not added up */
   int *keep, kept; /* n: the unknowns that H touches, ascending, and their number */
@@ -23,18 +23,18 @@ dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, int fr
                                 dls_error *error);
 void dlsi_operator_free(dlsi_operator *H);
 
-/* *out := a part of H by columns, n x m, with d >= H->d columns a candidate; those that H does not
+/* *out := a part of H by columns, n x m, with d >= H->d columns a contact; columns that H does not
  * have are empty. DLS_E_MEMORY; free *out then, too. */
 dls_status dlsi_operator_columns(const dlsi_operator *H, int d, dlsi_part which, dlsi_columns *out,
                                  dls_error *error);
 
-/* Returns 0 if the tangents of candidate c are left out. */
+/* Returns 0 if the tangents of contact c are left out. */
 static inline int dlsi_has_tangents(const dlsi_operator *H, int c) {
   return !H->mu || H->mu[c] > 0;
 }
 
-/* Adds H^T x to y for an x that is 0 but at s unknowns. unknown: these, s; x: its values there, s;
- * y: m. */
+/* Adds H^T x to y for an x that is 0 except at s unknowns. unknown: these, s; x: its values there,
+ * s; y: m. */
 void dlsi_operator_add(const dlsi_operator *H, const int *unknown, size_t s, const double *x,
                        double *y);
 

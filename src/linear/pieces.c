@@ -9,10 +9,10 @@
  *                      L_22 U_22 := P_2 ((P_1 A)_22 - L_21 U_12)
  *
  * where each half is halved again down to the sizes below (Toledo, SIAM J. Matrix Anal. Appl. 18,
- * 1997, 1065-1081). Sizes are those at which OpenBLAS stays on the thread that calls: up to 64^3
- * products in dgemm, fewer than 96^2 entries in dgemv, fewer than 1024 in the B of dtrsm, fewer
- * than 64 rows in dpotrf, fewer than 100 in dsyrk; dgetf2 and dtrsv wake no thread. Cost on one
- * thread: about that of LAPACK (docs/threads.md).
+ * 1997, 1065-1081). At these sizes OpenBLAS stays on the calling thread: up to 64^3 products in
+ * dgemm, fewer than 96^2 entries in dgemv, fewer than 1024 in the B of dtrsm, fewer than 64 rows in
+ * dpotrf, fewer than 100 in dsyrk; dgetf2 and dtrsv wake no thread. Cost on one thread: about that
+ * of LAPACK (docs/threads.md).
  */
 #include "linear/pieces.h"
 
@@ -39,8 +39,8 @@ static int least(int a, int b) {
   return a < b ? a : b;
 }
 
-/* Returns the size of a first half of n > 8: a multiple of 8, where columns are in step with the
- * lines of the cache. */
+/* Returns the size of a first half of n > 8: a multiple of 8, so that columns match the lines of
+ * the cache. */
 static int half(int n) {
   return (n / 2 + 7) / 8 * 8;
 }
@@ -95,7 +95,7 @@ void dlsi_gemv(int alone, int m, int n, double alpha, const double *A, const dou
   }
 }
 
-/* One triangle of at most triangle_rows rows, or as a whole. */
+/* One triangle of at most triangle_rows rows; or of any size, if not alone. */
 static void triangle_of_blas(int alone, char side, char uplo, char trans, char diag, int m, int n,
                              const double *T, int ldt, double *B, int ldb) {
   const double one = 1;
@@ -117,7 +117,7 @@ void dlsi_trsm(int alone, char side, char uplo, char trans, char diag, int m, in
     triangle_of_blas(alone, side, uplo, trans, diag, m, n, T, ldt, B, ldb);
     return;
   }
-  /* B_2 comes before B_1 where T_12 or T_21^T stands above the diagonal, on the left */
+  /* B_2 comes before B_1 if T_12 or T_21^T is above the diagonal, on the left */
   const int backward = left && (uplo == 'L') != (trans == 'N');
   const int h = half(rows), one = backward ? rows - h : h, two = rows - one;
   const size_t H = (size_t)h, t = (size_t)ldt;
@@ -158,7 +158,7 @@ int dlsi_piece_columns(double each) {
   return columns >= INT_MAX ? INT_MAX : columns < 64 ? 64 : (int)columns;
 }
 
-/* Takes the columns from the left: each block of them is brought up to date by all before it. */
+/* From the left: all blocks of columns before a block update it. */
 int dlsi_panel(int alone, int n, int rows, double *A, int ld, dlsi_watch *watch, int done) {
   const int height = n + rows, some = dlsi_piece_columns(2.0 * height * n);
   for (int j = 0; j < n; j += some) {
@@ -177,7 +177,7 @@ int dlsi_panel(int alone, int n, int rows, double *A, int ld, dlsi_watch *watch,
   return 0;
 }
 
-/* Exchanges the first `count` rows of A (n columns) with those that pivot tells. */
+/* Exchanges the first `count` rows of A (n columns) with those in pivot. */
 static void exchange_rows(int n, double *A, int ld, const int *pivot, int count) {
   for (int j = 0; j < n; j++, A += ld)
     for (int i = 0; i < count; i++) {

@@ -1,16 +1,16 @@
 /*
  * pieces.h: BLAS and LAPACK for small matrices, in pieces so small that no BLAS wakes a thread for
- * one of them: a thread that wakes takes more CPU than the work, and adds up in another order.
- * `alone`, from dlsi_is_small, tells pieces from a call of BLAS as a whole. The pieces follow from
- * the sizes: any number of threads gives the same bits.
+ * one: waking a thread costs more CPU than the work, and changes the order of sums. `alone`, from
+ * dlsi_is_small, selects pieces (1) or one call of BLAS for the whole (0). The sizes determine the
+ * pieces: any number of threads gives the same bits.
  */
 #ifndef DLSI_PIECES_H
 #define DLSI_PIECES_H
 
 #include "base/base.h"
 
-/* Returns 1 if a matrix, or its factor, with so many entries is worth one thread only: that of a
- * dense problem with 1000 rows takes some 10 ms. */
+/* Returns 1 if a matrix, or its factor, with so many entries is worth one thread only: a dense
+ * problem with 1000 rows takes some 10 ms. */
 int dlsi_is_small(size_t entries);
 
 /* C := alpha op(A) op(B) + beta C; arguments as those of dgemm. C: m x n; op(A): m x k. */
@@ -34,11 +34,11 @@ void dlsi_trsm(int alone, char side, char uplo, char trans, char diag, int m, in
  * positive. A: n x n, leading dimension ld. */
 int dlsi_potrf(int alone, int n, double *A, int ld);
 
-/* The answer of a function whose work the host has cancelled. */
+/* Returned if the host has cancelled the work. */
 enum { dlsi_stopped = -2 };
 
-/* Returns how many columns make a piece of work of some 4e9 operations, a tenth of a second, where
- * each column takes `each`; at least 64. */
+/* Returns how many columns make a piece of some 4e9 operations, a tenth of a second, if each column
+ * takes `each`; at least 64. */
 int dlsi_piece_columns(double each);
 
 /* Factors a panel: A := L with A = L L^T as dlsi_potrf, rows below it := (these rows) L^-T. A: n x

@@ -1,22 +1,22 @@
 /*
- * redundant.c: takes out of K the joints that follow from others.
+ * redundant.c: takes out of K the joints that follow from other joints.
  *
  *   K = (A  G; G^T  0);  a joint j is redundant if its column of G is a combination of others.
  *
- * The multipliers of such joints are not determined: any l with G l = 0 may be added to them. K is
- * singular by them, and nothing is wrong with the bodies. The multiplier of a redundant joint is
- * set to 0 here; its row of G^T x = b then holds by the others, or the certificate shows that it
+ * The multipliers of such joints are not determined: any l with G l = 0 may be added to them. They
+ * make K singular, and nothing is wrong with the bodies. Here the multiplier of a redundant joint
+ * is set to 0; its row of G^T x = b then holds by the others, or the certificate shows that it
  * contradicts them.
  *
  *   (RJ1)  scale rows, then columns of G to a largest entry of 1
- *   (RJ2)  take away from column j its part along the pivots of the columns before it, in order
- *   (RJ3)  redundant if at most 1e-12 is left of the largest entry on the way; else the largest
- *          entry left becomes the pivot of j
+ *   (RJ2)  subtract from column j its components along the pivots of earlier columns, in order
+ *   (RJ3)  redundant if at most 1e-12 of the largest entry on the way is left; else the largest
+ *          remaining entry becomes the pivot of j
  *
  * That is elimination with partial pivoting, column by column (Gilbert and Peierls, SIAM J. Sci.
  * Stat. Comput. 9, 1988, 862-874), with a heap for the order of the pivots. G has all rows of the
- * columns of the multipliers; where K is not symmetric, below them those of their rows: a joint is
- * redundant if both depend on each other's in the same way.
+ * columns of the multipliers. If K is not symmetric, their rows stand below, transposed: a joint is
+ * redundant if both depend on other joints in the same way.
  *
  * Cost: that of the fill, two passes over K. Fails: no memory.
  */
@@ -32,13 +32,13 @@ static const double rounding = 1e-12; /* (RJ3) */
 
 /* ---- elimination ----------------------------------------------------------------------------- */
 
-/* Columns of L and what one column takes. */
+/* Columns of L and the arrays for one column. */
 typedef struct elimination {
   int rows, cols;
   int *owner;      /* rows: the column whose pivot it is, -1 */
   int *pivot;      /* cols: the row, -1 of a redundant one */
   int *mark, *met; /* rows: the last column that has met it; the rows that this one has met */
-  int *heap;       /* cols: pivots still to be taken away, least first */
+  int *heap;       /* cols: pivots still to be subtracted, least first */
   double *v;       /* rows */
   int met_count, heap_count;
   size_t *first; /* cols + 1: L by columns */
@@ -207,7 +207,7 @@ static dls_status joints_gather(const dls_model *model, const int *place, int co
   return status;
 }
 
-/* Lists the redundant ones of the multipliers list[0 .. count-1] in apart->redundant. */
+/* Lists in apart->redundant which of the multipliers list[0 .. count-1] are redundant. */
 static dls_status joints_find(dlsi_apart *apart, const dls_model *model, const int *place,
                               const int *list, int count, dls_error *error) {
   dlsi_columns G = {0};
@@ -243,7 +243,7 @@ static dls_status apart_dense(dlsi_apart *apart, dls_error *error) {
   return DLS_OK;
 }
 
-/* place: n, -1 of what is no multiplier with a zero diagonal; is set to -2 of the redundant. */
+/* place: n, -1 unless a multiplier with a zero diagonal; becomes -2 for a redundant one. */
 static dls_status apart_sparse(dlsi_apart *apart, int *place, int count, dls_error *error) {
   dls_sparse *Ks = &apart->model.Ks;
   dlsi_triplets t;
@@ -267,7 +267,7 @@ static dls_status apart_sparse(dlsi_apart *apart, int *place, int count, dls_err
 /* ---- create, free ---------------------------------------------------------------------------- */
 
 /* Numbers the multipliers without a diagonal entry. place: in, dlsi_body_joints; out, number or -1,
- * n; list: them, n. Returns how many there are. */
+ * n; list: these multipliers, n. Returns how many there are. */
 static int apart_number(const dls_model *model, int *place, int *list) {
   int count = 0;
   for (int j = 0; j < model->n; j++) {

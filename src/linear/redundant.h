@@ -1,4 +1,4 @@
-/* redundant.h: takes out of K the joints that follow from others. */
+/* redundant.h: takes out of K the joints that follow from other joints. */
 #ifndef DLSI_REDUNDANT_H
 #define DLSI_REDUNDANT_H
 

@@ -4,8 +4,8 @@
 
 #include "base/base.h"
 
-/* Room for a matrix and its factors. Methods that run one after the other may share it: who
- * is not the owner any more has lost its factors. */
+/* Room for a matrix and its factors. Methods that run one after the other may share it: only the
+ * owner still has its factors. */
 typedef struct dlsi_room {
   double *J; /* side^2 */
   size_t side;
@@ -17,7 +17,7 @@ typedef struct dlsi_room {
 } dlsi_room;
 
 /* Make room for a side x side matrix, or for W of `blocks` d x d blocks and a diagonal. The
- * contents are lost. DLS_E_MEMORY, DLS_E_SIZE; without MUMPS dlsi_room_sparse answers
+ * contents are lost. DLS_E_MEMORY, DLS_E_SIZE; without MUMPS dlsi_room_sparse returns
  * DLS_E_UNSUPPORTED. */
 dls_status dlsi_room_dense(dlsi_room *room, size_t side, dls_error *error);
 dls_status dlsi_room_sparse(dlsi_room *room, int d, int nc, int blocks, dls_error *error);

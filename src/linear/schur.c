@@ -1,5 +1,5 @@
 /*
- * schur.c: the Schur complement of a sparse matrix: by cholesky.c where the matrix is positive
+ * schur.c: the Schur complement of a sparse matrix: by cholesky.c if the matrix is positive
  * definite, else by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23, 2001,
  * 15-41).
  *
@@ -7,22 +7,21 @@
  *           (SH2)  analyse
  *   factor  (SH3)  A = R K C, scaled (equilibrate.c); R = C if K is symmetric
  *           (SH4)  A_ii = L L^T (positive definite), or L D L^T, L U with threshold pivoting;
- *                  S_A = A_cc - A_ci A_ii^-1 A_ic beside it; more room if pivoting asks for it
+ *                  S_A = A_cc - A_ci A_ii^-1 A_ic as well; more room if pivoting asks for it
  *           (SH5)  S_A = L L^T if K is symmetric and S_A definite, else L U (dense.c). S_A is
- *                  definite for many an indefinite K: multipliers that tie displacements make it
- *                  so.
+ *                  definite for many an indefinite K: if multipliers tie displacements.
  *           (SH6)  |A^-1|_F from two solves with vectors v of +-1: the mean of |A^-1 v|^2 is
- *                  |A^-1|_F^2; and their backward error, which is large where A_ii is nearly
- *                  singular and A is not
- *   solve   (SH7)  x := C A^-1 R b: condense b to c, solve with S_A, expand; x_c alone needs no
+ *                  |A^-1|_F^2; and their backward error, which is large if A_ii is nearly singular
+ *                  and A is not
+ *   solve   (SH7)  x := C A^-1 R b: condense b to c, solve with S_A, expand; x_c needs no
  *                  expansion
  *   inverse (SH8)  (K^-1)_cc = C_c S_A^-1 R_c
  *   halves  (SH9)  condense b to c, and keep what (SH10) needs; (K^-1 b)_c from S_A
  *           (SH10) x := K^-1 (b + h), h on c: add h to the condensed b, solve with S_A, expand
  *
- * The dissection is of the whole graph: contact unknowns that help to cut it are moved last only
- * afterwards. Left alone, MUMPS takes approximate minimum degree beside a Schur complement, which
- * is much dearer in 3D.
+ * The dissection is of the whole graph: contact unknowns first help to cut it, and are then moved
+ * to the end. By itself MUMPS uses approximate minimum degree with a Schur complement, which costs
+ * much more in 3D.
  *
  * Singular: 1 / (|A|_1 |A^-1|_F) < 10 eps, as for dense matrices in reduction/factor.c, or a pivot
  * of 0. Cost: that of a multifrontal factorisation, b^3 for S^-1; two passes over the factor for a
@@ -49,8 +48,8 @@ enum { probes = 2 };                                /* (SH6) */
 #define RINFOG(k) rinfog[(k)-1] /* as the users' guide numbers it */
 
 struct dlsi_schur {
-  DMUMPS_STRUC_C mumps;    /* not started where K is positive definite */
-  dlsi_cholesky *definite; /* NULL where it is not */
+  DMUMPS_STRUC_C mumps;    /* not started if K is positive definite */
+  dlsi_cholesky *definite; /* NULL if K is not */
   dls_factorization factorization;
   dlsi_schur_measures measures;
   int n;
@@ -61,7 +60,7 @@ struct dlsi_schur {
   double *R, *C;     /* n */
   dlsi_dense S; /* count x count: S_A, then its factor; A belongs to `definite` if that is there */
   double *reduced;     /* count x nrhs: right-hand sides and solutions on c */
-  double *before;      /* count: what dlsi_schur_condense leaves for expand */
+  double *before;      /* count: kept by dlsi_schur_condense for expand */
   int held;            /* 1: the forward pass of dlsi_schur_condense is there */
   size_t reduced_size; /* doubles */
   double norm;         /* |A|_1 */
@@ -126,7 +125,7 @@ static void schur_take_pattern(dlsi_schur *work, const dls_sparse *Ks, const int
     work->keep[k] = keep[k] + 1;
 }
 
-/* (SH1) Fills order with the turn of each unknown, counted from 1. */
+/* (SH1) Fills order with the place of each unknown, counted from 1. */
 static dls_status schur_order(dlsi_schur *work, dls_error *error) {
   const int n = work->n, b = work->S.n;
   int *sequence = dlsi_alloc((size_t)n, sizeof *sequence), turn = 0;
@@ -158,11 +157,10 @@ static void schur_set_up(dlsi_schur *work) {
   M->size_schur = M->schur_lld = work->S.n;
   M->listvar_schur = work->keep;
   M->nprow = M->npcol = 1;
-  M->mblock = M->nblock = 100; /* asked for, of no effect in one process */
+  M->mblock = M->nblock = 100; /* required, without effect in one process */
 }
 
-/* Converts a count of MUMPS, which counts in millions what does not fit an int, and says so by the
- * sign. */
+/* Converts a count of MUMPS: a negative one is in millions, as the count does not fit an int. */
 static double schur_large(int count) {
   return count < 0 ? -1e6 * count : count;
 }
@@ -261,7 +259,7 @@ static dls_status schur_take_values(dlsi_schur *work, const dls_sparse *Ks, doub
   return dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", -1, work->norm, "sums of entries overflow");
 }
 
-/* (SH4), (SH5) where K is positive definite. */
+/* (SH4), (SH5) if K is positive definite. */
 static dls_status schur_factor_definite(dlsi_schur *work, dls_error *error) {
   double pivot = 0;
   const int failed = dlsi_cholesky_factor(work->definite, work->x, &pivot);
@@ -416,7 +414,7 @@ int dlsi_schur_holds(const dlsi_schur *work) {
   return work->held;
 }
 
-/* (SH10) MUMPS gives the expansion in the place of its forward pass. */
+/* (SH10) MUMPS overwrites its forward pass with the expansion. */
 dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error) {
   const size_t b = (size_t)work->S.n;
   double *xc = work->reduced;

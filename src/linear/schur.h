@@ -1,14 +1,15 @@
 /*
  * schur.h: factors a sparse K without the unknowns c that are kept, in an order by METIS: by
- * cholesky.c where K is positive definite, else by MUMPS (sequential):
+ * cholesky.c if K is positive definite, else by MUMPS (sequential):
  *
  *   S = K_cc - K_ci K_ii^-1 K_ic,      K x = b:   S x_c = b_c - K_ci K_ii^-1 b_i,
  *                                                 K_ii x_i = b_i - K_ic x_c
  *
  * S is dense and kept as its Cholesky or LU factor. With no unknown kept this is a sparse direct
- * solver. In a build without MUMPS (MUMPS=0) create answers DLS_E_UNSUPPORTED.
+ * solver. In a build without MUMPS (MUMPS=0) create returns DLS_E_UNSUPPORTED.
  *
- * MUMPS allocates in every call; one thread at a time is let in (mumps.h). Nothing is printed.
+ * MUMPS allocates in every call; only one thread at a time may call it (mumps.h). Nothing is
+ * printed.
  */
 #ifndef DLSI_SCHUR_H
 #define DLSI_SCHUR_H
@@ -20,15 +21,15 @@ typedef struct dlsi_schur dlsi_schur;
 /* Returns 1 if this build has MUMPS. */
 int dlsi_schur_available(void);
 
-/* Takes over the pattern of Ks (DLS_CHOLESKY, DLS_LDLT: of its lower triangle), orders and analyses
- * it. keep: the unknowns c, ascending, count; copied. *out = NULL on error: DLS_E_UNSUPPORTED,
+/* Copies the pattern of Ks (DLS_CHOLESKY, DLS_LDLT: of its lower triangle), orders and analyses it.
+ * keep: the unknowns c, ascending, count; copied. *out = NULL on error: DLS_E_UNSUPPORTED,
  * DLS_E_MEMORY, DLS_E_SINGULAR (structurally). */
 dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
                              dls_factorization factorization, int count, const int *keep,
                              dls_error *error);
 
 typedef struct dlsi_schur_measures {
-  /* foreseen by create */
+  /* estimated by create */
   double factor_bytes; /* of the factor */
   double bytes;        /* most in use while factoring, S included */
   double flops;        /* operations, the dense ones on S included */
@@ -38,9 +39,9 @@ typedef struct dlsi_schur_measures {
   double error; /* |A x - v| / (|A||x|), the larger of two solves with the scaled K */
 } dlsi_schur_measures;
 
-/* Returns the measures, which live as long as `work`. Where K is indefinite, K_ii may be singular
- * or nearly so although K is not: factor then answers DLS_E_SINGULAR, or `error` is far above
- * rounding. Keeping no unknown is the way out. */
+/* Returns the measures, which live as long as `work`. If K is indefinite, K_ii may be singular or
+ * nearly so although K is not: factor then returns DLS_E_SINGULAR, or `error` is far above
+ * rounding. The remedy is to keep no unknown. */
 const dlsi_schur_measures *dlsi_schur_measured(const dlsi_schur *work);
 
 /* Compares the pattern of Ks, of the right size, with the analysed one. DLS_E_ARGUMENT naming
@@ -57,17 +58,17 @@ dls_status dlsi_schur_solve(dlsi_schur *work, double *X, int nrhs, dls_error *er
 
 /* The two halves of a solve, count > 0. condense computes z := (K^-1 b)_c (count) and holds what
  * expand needs to compute x := K^-1 (b + h) (n) for an h (count) on c. x of condense: in, b; out,
- * spoilt; n. Returns of holds: 1 if expand may be called; with MUMPS once, otherwise as often as
- * there is another h. Other solves and a new factor end it. DLS_E_MEMORY. */
+ * spoilt; n. holds returns 1 if expand may be called: with MUMPS once, otherwise once for each h.
+ * Other solves and a new factor end it. DLS_E_MEMORY. */
 dls_status dlsi_schur_condense(dlsi_schur *work, double *x, double *z, dls_error *error);
 int dlsi_schur_holds(const dlsi_schur *work);
 dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error);
 
-/* Lets the host look on while factor and inverse work, which then may return DLS_CANCELLED: the
- * factor of a definite K between its fronts, MUMPS before and after. NULL: nobody. */
+/* Lets the host watch factor and inverse, and cancel them (DLS_CANCELLED): between the fronts of a
+ * definite K, with MUMPS before and after. watch may be NULL. */
 void dlsi_schur_watch(dlsi_schur *work, dlsi_watch *watch);
 
-/* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric where K is. Z: count x count, column-major.
+/* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric if K is. Z: count x count, column-major.
  * DLS_CANCELLED. */
 dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z);
 

@@ -1,8 +1,8 @@
 /*
  * sparse_lu.c: solves sparse unsymmetric systems by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM
  * J. Matrix Anal. Appl. 23, 2001, 15-41): analysis, multifrontal factorisation with threshold
- * pivoting, solve. The matrix goes to MUMPS over a power of two near its largest entry: MUMPS
- * scales by square roots, which would round an odd power of two in A.
+ * pivoting, solve. A is divided by a power of two near its largest entry: MUMPS scales by square
+ * roots, which would round an odd power of two in A.
  */
 #include "linear/sparse_lu.h"
 
@@ -21,7 +21,7 @@ struct dlsi_sparse_lu {
   double *x;
   double unit;     /* MUMPS factorises unit A */
   size_t reserved; /* entries */
-  int analysed;    /* 1: that pattern */
+  int analysed;    /* 1: this pattern */
 };
 
 dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error) {

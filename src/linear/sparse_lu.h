@@ -1,9 +1,9 @@
 /*
  * sparse_lu.h: factors a sparse unsymmetric A = L U by MUMPS (sequential). In a build without MUMPS
- * (MUMPS=0) create answers DLS_E_UNSUPPORTED.
+ * (MUMPS=0) create returns DLS_E_UNSUPPORTED.
  *
- * MUMPS allocates inside factor and solve; one thread at a time is let in (mumps.h). It is told to
- * print nothing.
+ * MUMPS allocates inside factor and solve; only one thread at a time may call it (mumps.h). It
+ * prints nothing.
  */
 #ifndef DLSI_SPARSE_LU_H
 #define DLSI_SPARSE_LU_H
@@ -19,7 +19,7 @@ dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error);
 dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *work, size_t entries, dls_error *error);
 
 /* Factors A = L U, square, not empty, entries <= reserved. A may change in size and pattern from
- * call to call; the analysis is done again when it does. DLS_E_SINGULAR, DLS_E_MEMORY. */
+ * call to call; a change repeats the analysis. DLS_E_SINGULAR, DLS_E_MEMORY. */
 dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_error *error);
 
 /* Solves x := A^-1 x with the A of the last factor, which must have succeeded. DLS_E_MEMORY. */

@@ -4,9 +4,8 @@
  *   E = (v.M v + x.K x) / 2
  *   E+ - E = (1/2 - theta)(|dv|_M^2 + |dx|_K^2) - h v_th.C v_th + h f.v_th + p.(H^T v_th)
  *   M dv = h (f - C v_th - K x_th) + H p          v_th = theta v+ + (1 - theta) v, x_th alike
- *
- * The work of the reactions is split by H^T v_th = u_th + y': normal (impact), tangential
- * (friction) and that of the obstacle. On a path, where dx takes the place of dv and there is no M:
+ * H^T v_th = u_th + y' splits the work of the reactions: normal (impact), tangential (friction) and
+ * that of the obstacle. On a path, where dx replaces dv and there is no M:
  *
  *   E+ - E = f.dx + r.(H^T dx) - |dx|_K^2 / 2,    K x+ = f + H r,   H^T dx = u + h y'
  *
@@ -112,7 +111,7 @@ static void work_inside(dls_motion *motion, const double *f, const double *dv, s
   const size_t n = motion->n;
   double bend = 0;
   for (size_t i = 0; i < n; i++) {
-    motion->z[i] = path ? dv[i] : h * (now->v[i] + theta * dv[i]); /* the way that loads work on */
+    motion->z[i] = path ? dv[i] : h * (now->v[i] + theta * dv[i]); /* the path that loads work on */
     bend += (next->x[i] - now->x[i]) * (next->kx[i] - now->kx[i]);
   }
   work->load = f ? energies_dot(f, motion->z, n) : 0;
@@ -146,7 +145,7 @@ void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, c
   const double sum =
       work.load + work.damping + work.obstacle + work.friction + work.impact + work.numerical;
   e->residual = fabs((e->kinetic - before->kinetic) + (e->elastic - before->elastic) - sum);
-  /* z, sum: the way and the terms of the momentum; what passes from the obstacle to friction */
+  /* z, sum: the path and the terms of the momentum; work of the obstacle that goes into friction */
   const double size = energies_size(motion->z, motion->sum, motion->n) / way;
   energies_enlarge(&e->scale, size + fabs(work.obstacle) + fabs(work.friction));
 }

@@ -2,8 +2,7 @@
  * motion.c: makes a motion, starts it, changes its step, shows it. step.c has the scheme.
  *
  * Memory: that of the reduction of A and of the solver; (d nc)^2 doubles for W of the active
- * candidates; O(n + nnz). Fails: settings or sizes that do not fit, a singular
- * A, no memory.
+ * contacts; O(n + nnz). Fails: settings or sizes that do not fit, a singular A, no memory.
  */
 #include <float.h>
 #include <math.h>
@@ -59,7 +58,7 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
   return DLS_OK;
 }
 
-/* Gives the matrix of the model of a reduction, its Ks, the name that the caller knows. */
+/* Replaces Ks, the matrix of a reduction's model, by the caller's name for it in errors. */
 static dls_status motion_name(dls_status status, const char *name, dls_error *error) {
   if (!status || !error || strcmp(error->argument, "Ks") != 0) return status;
   char text[sizeof error->message];
@@ -71,7 +70,7 @@ static dls_status motion_name(dls_status status, const char *name, dls_error *er
   return status;
 }
 
-/* Tells a reduction of the bodies, with the matrix Ks. */
+/* Makes a model for a reduction of the bodies, with the matrix Ks. */
 static dls_model motion_reduced_model(const dls_motion_model *model, dls_sparse Ks) {
   return (dls_model){.d = model->d,
                      .n = model->n,
@@ -84,8 +83,8 @@ static dls_model motion_reduced_model(const dls_motion_model *model, dls_sparse 
                      .P = model->P};
 }
 
-/* Checks a matrix that a law must have (1), may have (0) or must not have (-1), and the rest of the
- * model with it. */
+/* Checks a matrix that a law must have (1), may have (0) or must not have (-1), together with the
+ * rest of the model. */
 static dls_status motion_check_matrix(const char *name, const dls_motion_model *model,
                                       const dls_sparse *A, int wanted, dls_error *error) {
   if (!A->p && wanted > 0) return dlsi_is_null(error, name);
@@ -157,7 +156,7 @@ static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
   return DLS_OK;
 }
 
-enum { expected_steps = 1000 }; /* with one A: W is formed once, and serves all */
+enum { expected_steps = 1000 }; /* with one A: one W serves all steps */
 
 /* Sets *found := 1 if A has multipliers: joints make it indefinite. */
 static dls_status motion_find_joints(const dls_model *model, int *found, dls_error *error) {

@@ -13,7 +13,7 @@ typedef struct motion_point {
   double *p, *u;            /* m */
   double *gap;              /* candidates */
   double *slip;             /* (d-1) candidates */
-  double *way;              /* d nodes: y, of the obstacle since the start */
+  double *way;              /* d nodes: y, displacement of the obstacle since the start */
   dls_contact_state *state; /* candidates */
   int active, *list;        /* candidates; ascending, `active` of them */
   dls_motion_energies energies;
@@ -31,7 +31,7 @@ struct dls_motion {
   dls_contact problem; /* of the last step */
 
   long long steps;
-  double t, h_last; /* h_last: of the step that gave now.p */
+  double t, h_last; /* h_last: of the step that computed now.p */
   motion_point now, next;
 
   double *gap0;                         /* nodes */
@@ -39,10 +39,10 @@ struct dls_motion {
   double *ways;                         /* n: x+ - x on a path */
   double *local, *place;                /* d nodes: scratch */
   double *zero;                         /* max(d nodes, candidates): zeros for y and mu */
-  double *uc, *mc;                      /* m: scratch, by candidate */
-  double *r, *w;                        /* m: of the active candidates, reactions and W r + q */
-  double *weight;                       /* 2 candidates: weights of the active ones */
-  double *values;                       /* memory of W, q, mu of the active candidates */
+  double *uc, *mc;                      /* m: scratch, by contact */
+  double *r, *w;                        /* m: of the active contacts, reactions and W r + q */
+  double *weight;                       /* 2 candidates: weights of the active contacts */
+  double *values;                       /* memory of W, q, mu of the active contacts */
   void *memory;                         /* of all arrays but A */
 };
 
@@ -50,27 +50,27 @@ static inline dls_status dlsi_motion_enter(dls_motion *motion, dls_error *error)
   return motion ? dlsi_enter(&motion->busy, "motion", error) : dlsi_is_null(error, "motion");
 }
 
-/* Returns 0 where the model has no such matrix. */
+/* Returns 0 if the model has no such matrix. */
 static inline int dlsi_motion_has(const dls_sparse *A) {
   return A->p != NULL;
 }
 
-/* y := A x and, where a is not NULL, a := |A||x|, n each; 0 for a model without A. Of a symmetric A
- * the lower triangle is read. */
+/* y := A x and, if a is not NULL, a := |A||x|, n each; 0 for a model without A. Reads the lower
+ * triangle of a symmetric A. */
 void dlsi_motion_multiply(const dls_motion *motion, const dls_sparse *A, const double *x, double *y,
                           double *a);
 
 /* local := L^T x, d nodes. */
 void dlsi_motion_local(const dls_motion *motion, const double *x, double *local);
 
-/* c := P^T local, m; a copy without P. */
+/* c := P^T local, m; without P a copy. */
 void dlsi_motion_gather(const dls_motion *motion, const double *local, double *c);
 
-/* y += H p and, where a is not NULL, a += |H||p|, n each. p: m. */
+/* y += H p and, if a is not NULL, a += |H||p|, n each. p: m. */
 void dlsi_motion_push(const dls_motion *motion, const double *p, double *y, double *a);
 
-/* Lays A = M + h theta C + h^2 theta^2 K out; entries of the same place stand side by side. On a
- * path A = K. The caller frees motion->A, also after an error. DLS_E_SIZE, DLS_E_MEMORY. */
+/* Lays A = M + h theta C + h^2 theta^2 K out; entries of the same place are adjacent. On a path A =
+ * K. The caller frees motion->A, also after an error. DLS_E_SIZE, DLS_E_MEMORY. */
 dls_status dlsi_motion_lay(dls_motion *motion, dls_error *error);
 
 /* Sets the values of A for the step h. */
@@ -82,7 +82,7 @@ void dlsi_motion_measure_gap(dls_motion *motion, motion_point *point);
 /* Copies a state. */
 void dlsi_motion_keep(const dls_motion *motion, const motion_point *from, motion_point *to);
 
-/* Sets point->kx and the energies of the state x, v; enlarges the scale. */
+/* Sets point->kx and the energies of the state x, v; raises the scale. */
 void dlsi_motion_weigh(dls_motion *motion, motion_point *point);
 
 /* Adds the works of the step from now to next, and checks it: residual, momentum. f: n or NULL; y:

@@ -6,24 +6,24 @@
  *   (MT1)  b = h (f - C v - K (x + h theta v)),   g = L^T v - y'
  *   (MT2)  g_n += e g_n in the velocity form;  g_n += gap / h in the gap form
  *   (MT3)  q = P^T g + H^T A^-1 b                                          (dls_reduction_load)
- *   (MT4)  closed candidates: velocity form: gap + forecast h u_n <= activation; else all
- *   (MT5)  p from u = W p + q and the laws of contact, for the closed ones; 0 for others
+ *   (MT4)  closed contacts: velocity form: gap + forecast h u_n <= activation; else all
+ *   (MT5)  p from u = W p + q and the laws of contact, for closed contacts; 0 for others
  *   (MT6)  A dv = b + H p                                               (dls_reduction_recover)
  *   (MT7)  v+ = v + dv,   x+ = x + h (v + theta dv)
  *
- * Solving for dv instead of v+ keeps the digits of what one step changes. Path, with z = x:
+ * Solving for dv instead of v+ keeps the digits of the change in one step. Path, with z = x:
  *
  *   (MT8)  b = f - K z;  g_n = gap(z) at the obstacle's new place,  g_t = L_t^T (z - x) - h y'_t
  *   (MT9)  (MT3) to (MT5) with A = K, then K dz = b + H r,  z += dz;  x+ = z
  *
- * That is exact up to rounding, which the next step sees in b and mends. Bodies that contact
- * alone holds have a singular K, and contact over whole surfaces a large W: the reduction is on K
- * then, and (MT3) to (MT5) and dz are those of dls_reduction_solve.
+ * That is exact up to rounding, which the next step sees in b and corrects. If only contact holds a
+ * body, K is singular; contact over whole surfaces makes W large. Then the reduction is on K, and
+ * dls_reduction_solve does (MT3) to (MT5) and dz.
  *
  * Sources: [Jean 1988] (3.2)1, (3.3)1-6; J. J. Moreau, Unilateral contact and dry friction in
- * finite freedom dynamics, 1988, for the velocity form with Newton's restitution. Nothing is kept
- * of a step that is not certified. Cost: a solve and a half with A, some products, and the contact
- * problem.
+ * finite freedom dynamics, 1988, for the velocity form with Newton's restitution. A step that is
+ * not certified leaves nothing behind. Cost: a solve and a half with A, some products, and the
+ * contact problem.
  */
 #include <float.h>
 #include <math.h>
@@ -44,7 +44,7 @@ static void step_activate(dls_motion *motion) {
       next->list[next->active++] = c;
 }
 
-/* Finds the states of the active candidates from motion->r and motion->w. */
+/* Finds the states of the active contacts from motion->r and motion->w. */
 static void step_find_states(dls_motion *motion, dls_contact_state *state) {
   const dls_contact *problem = &motion->problem;
   const int d = problem->d;
@@ -55,7 +55,7 @@ static void step_find_states(dls_motion *motion, dls_contact_state *state) {
                                    motion->w + d * a, F);
 }
 
-/* Solves the problem of the active candidates from the impulses `start` (m) times factor; sets
+/* Solves the problem of the active contacts from the impulses `start` (m) times factor; sets
  * next->p and the states. */
 static dls_status step_solve(dls_motion *motion, const double *start, double factor, dls_info *info,
                              dls_error *error) {
@@ -81,7 +81,7 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   return DLS_OK;
 }
 
-/* Puts the equilibrium of A dx = b + H p into the certificate, whose laws are those of the active
+/* Puts the equilibrium of A dx = b + H p into the certificate, which has the laws of the active
  * contacts. */
 static dls_status step_equilibrium(dls_motion *motion, const double *mu, dls_info *info,
                                    dls_error *error) {
@@ -117,8 +117,9 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
 
 static const double more_digits = 1e-3;
 
-/* The same on K, from the reactions of the step before; all candidates are active on a path. The
- * solver is asked for more digits than the step: single reactions have fewer than the residual. */
+/* As step_contact, but on K, from the reactions of the last step; on a path all contacts are
+ * active. Asks the solver for more digits than the step: single reactions have fewer than the
+ * residual. */
 static dls_status step_on_K(dls_motion *motion, const double *mu, dls_info *info,
                             dls_error *error) {
   motion_point *next = &motion->next;

@@ -1,9 +1,9 @@
 /*
  * agree.c: makes the error of one rank an error of all.
  *
- * Every public function checks its arguments and allocates on each rank for itself, then asks here
- * before it goes into the next collective call: a rank that has failed is there, too, and no other
- * one waits for it in vain.
+ * Every public function checks its arguments and allocates on each rank, then calls this before the
+ * next collective call: a rank that has failed calls it, too, so that no other rank waits for it in
+ * vain.
  */
 #define _POSIX_C_SOURCE 200809L /* clock_gettime */
 
@@ -13,7 +13,7 @@
 
 #include "mpi_internal.h"
 
-/* The fields of an error that can travel: text in the place of pointers. */
+/* The fields of an error that can be sent: text in place of pointers. */
 typedef struct travelling {
   long long index;
   double value;

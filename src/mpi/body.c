@@ -1,10 +1,10 @@
 /*
- * body.c: what the certificate of the body (base/body.c) needs of a K whose entries are spread.
+ * body.c: the certificate of the body (base/body.c) for a K whose entries are spread.
  *
  *   (MB1)  K x and |K||x|: each rank adds up its entries, rank 0 the ranks, so that all have the
- *          same bits. |K||x| counts entries of one place one by one
+ *          same bits. |K||x| counts entries of one place separately
  *   (MB2)  connected bodies: each rank joins what its entries join, rank 0 the forests of all
- *   (MB3)  weights: the entries between unknowns that one contact touches go to every rank
+ *   (MB3)  weights: every rank gets the entries between unknowns that one contact touches
  *
  * dlsi_body_measure runs on every rank with equal vectors of all unknowns. Memory of a rank: its
  * entries of K, about 12 vectors of n. Fails: no memory on one rank.
@@ -75,7 +75,7 @@ static void body_join(dlsi_mpi_body *work, int *other) {
 }
 
 /* Sets place[i] to the number of unknown i among those that H touches, -1 for others, and group to
- * numbers that are equal where contacts tie unknowns together. place: n; group: count. */
+ * numbers that are equal for unknowns tied by contacts. place: n; group: count. */
 static void body_group(const dlsi_shares *of, int *place, int *group) {
   for (int i = 0; i < of->n; i++)
     place[i] = -1;

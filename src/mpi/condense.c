@@ -5,18 +5,18 @@
  *
  *   (MC1)  A = R K C, scaled: the largest entries of the rows and columns over all ranks
  *   (MC2)  rank 0 gathers the pattern, orders it by nested dissection, moves c to the end
- *   (MC3)  analysis, with the entries left where they are (ICNTL(18) = 3)
+ *   (MC3)  analysis, with the entries left in place (ICNTL(18) = 3)
  *   (MC4)  factor; S = A_cc - A_ci A_ii^-1 A_ic stays spread in blocks (ICNTL(19) = 2, 3)
  *   (MC5)  condense, expand: b, x and the values on c on rank 0
  *
- * Without c it is the factor of a matrix, for one set of values after the other: begin does (MC2)
- * and (MC3), refactor (MC1) and (MC4).
+ * Without c it is the factor of a matrix, for one set of values after another: begin does (MC2) and
+ * (MC3), refactor (MC1) and (MC4).
  *
- * MUMPS wants something to eliminate: where H touches every unknown, K gets one unknown more, 1 on
- * the diagonal and tied to nothing.
+ * MUMPS needs something to eliminate: if H touches every unknown, K gets one unknown more, coupled
+ * to nothing, with 1 on the diagonal.
  *
- * Rank 0 holds the pattern for a while, two ints an entry and METIS's graph of the nodes, and n-
- * vectors; all else is shared. MUMPS needs the pattern on one rank itself.
+ * Rank 0 holds the pattern for a while: two ints per entry and METIS's graph of the nodes, and
+ * n-vectors. All else is shared. MUMPS itself needs the pattern on one rank.
  * Cost: the ordering is not parallel. Fails: no memory on one rank.
  */
 #include <float.h>
@@ -49,7 +49,7 @@ struct dlsi_condenser {
   int *row, *col;  /* entries of this rank, counted from 1; gone after the factorisation */
   double *x;       /* ... of A */
   int *keep;       /* count, counted from 1 */
-  int *order;      /* n, on rank 0: turn of each unknown, counted from 1 */
+  int *order;      /* n, on rank 0: place of each unknown, counted from 1 */
   double *R, *C;   /* n, on rank 0 after the factorisation */
   double *kept;    /* R and C on c: 2 count */
   double *reduced; /* count */
@@ -94,8 +94,8 @@ static void condenser_take_entries(dlsi_condenser *work, const dls_mpi_model *mo
   work->x[at] = 1;
 }
 
-/* (MC1) As linear/equilibrate.c. Entries that add up count one by one: their sizes, not their sum,
- * are scaled to 1, which leaves scaling exact and symmetric. */
+/* (MC1) As linear/equilibrate.c. Entries that add up count separately: their sizes, not their sum,
+ * are scaled to 1, which keeps scaling exact and symmetric. */
 static void condenser_find_scales(dlsi_condenser *work) {
   const size_t n = (size_t)work->n;
   double *R = work->R, *C = work->C, *rows = C + n, *cols = work->symmetric ? rows : rows + n;
@@ -123,7 +123,7 @@ static void condenser_find_scales(dlsi_condenser *work) {
   }
 }
 
-/* Scales x and computes |A|_1, an upper bound of it where entries add up. DLS_E_NOT_FINITE. */
+/* Scales x and computes |A|_1, or an upper bound if entries add up. DLS_E_NOT_FINITE. */
 static dls_status condenser_scale(dlsi_condenser *work, dls_error *error) {
   const size_t n = (size_t)work->n;
   double *sum = work->C + n;
@@ -257,12 +257,12 @@ static dls_status condenser_analyse(dlsi_condenser *work, dls_factorization fact
   return dlsi_mumps_run(M, analyse, "Ks", error);
 }
 
-/* Factors the values that M has. */
+/* Factors the present values of M. */
 static dls_status condenser_eliminate(dlsi_condenser *work, dls_error *error) {
   DMUMPS_STRUC_C *M = &work->mumps;
   const dls_status status = dlsi_mumps_factor(M, "Ks", error);
   if (status || M->sym != 1 || M->INFOG(12) == 0) return status;
-  /* MUMPS counts negative pivots but does not tell where they are */
+  /* MUMPS counts negative pivots but does not return where they are */
   return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", -1, M->INFOG(12),
                    "K is not positive definite: %d negative pivots", M->INFOG(12));
 }
@@ -287,7 +287,7 @@ static dls_status condenser_factor(dlsi_condenser *work, const dlsi_spread *spre
   return condenser_eliminate(work, error);
 }
 
-/* Frees what the factorisation alone needs. */
+/* Frees what only the factorisation needs. */
 static void condenser_shrink(dlsi_condenser *work) {
   DMUMPS_STRUC_C *M = &work->mumps;
   free(work->row);
@@ -306,7 +306,7 @@ static double condenser_bytes(int megabytes) {
   return megabytes < 0 ? -1e12 * megabytes : 1e6 * megabytes;
 }
 
-/* Refuses more than memory_limit bytes on a rank: what MUMPS foresees, and three dense shares. */
+/* Refuses more than memory_limit bytes on a rank: the estimate of MUMPS, and three dense shares. */
 static dls_status condenser_limit(const dlsi_condenser *work, const dlsi_spread *spread,
                                   double memory_limit, dls_error *error) {
   const double dense = 3 * sizeof(double) * (double)dlsi_spread_size(spread);
@@ -318,7 +318,7 @@ static dls_status condenser_limit(const dlsi_condenser *work, const dlsi_spread 
                    1e-9 * memory_limit);
 }
 
-/* Enters the time since *from under a phase. */
+/* Adds the time since *from to a phase. */
 static void condenser_end_phase(dls_mpi_info *info, dls_mpi_phase phase, dlsi_mpi_clock *from) {
   const dlsi_mpi_clock now = dlsi_mpi_now();
   info->wall[phase] = now.wall - from->wall;
@@ -326,7 +326,7 @@ static void condenser_end_phase(dls_mpi_info *info, dls_mpi_phase phase, dlsi_mp
   *from = now;
 }
 
-/* Allocates on every rank. keep: NULL where count is 0. *out is NULL on error. */
+/* Allocates on every rank. keep: NULL if count is 0. *out is NULL on error. */
 static dls_status condenser_allot(dlsi_condenser **out, const dlsi_grid *grid, int n,
                                   const dls_mpi_model *model, int count, const int *keep,
                                   dls_error *error) {

@@ -4,10 +4,10 @@
  *
  *   (MG1)  factor and solve: system.c, or the host's solver with the rows and nodes of its rank
  *   (MG2)  the product with K of the certificate: body.c
- *   (MG3)  callback and clock: rank 0's word (solve.c)
+ *   (MG3)  callback and clock of rank 0 (solve.c)
  *
- * x comes from rank 0 with the same bits to all ranks, so that all take the same branches. Newton
- * steps and proofs, which factor on one process, are left out.
+ * All ranks get x from rank 0 with the same bits, so that all take the same branches. Newton steps
+ * and proofs, which factor on one process, are left out.
  * Memory of a rank: its share of the factor, its entries of K twice, about 25 vectors of n and 40
  * of m. Fails: no memory on one rank, an error of the host's solver on one rank.
  */
@@ -30,7 +30,7 @@ struct dls_mpi_global {
 
 /* ---- a host's solver ------------------------------------------------------------------------- */
 
-/* Makes the answer of this rank's function one of all: an error first, then a wish to cancel. */
+/* Makes the answer of this rank's function that of all: an error first, then a wish to cancel. */
 static dls_status brought_agree(const dls_mpi_global *work, dls_status answer, dls_error *error) {
   const MPI_Comm all = work->of.grid.all;
   const dls_status status = dlsi_agree(all, answer, error);
@@ -180,7 +180,7 @@ dls_status dls_mpi_global_get_info(const dls_mpi_global *global, dls_mpi_info *i
 
 /* ---- solve ----------------------------------------------------------------------------------- */
 
-/* What one rank is given. */
+/* The arguments of one rank. */
 typedef struct given {
   const double *f, *g, *mu;
   double *r, *x;
@@ -200,7 +200,7 @@ static dls_status given_check(const dls_mpi_global *work, const given *of, const
   return status ? status : dlsi_shares_check_vector("x", of->x, rows, 0, error);
 }
 
-/* all := the d values of each node of all ranks, 0 for NULL; one value a node where d = 1. */
+/* all := the d values of each node of all ranks, 0 for NULL; one value per node if d = 1. */
 static void global_gather(dls_mpi_global *work, int d, const double *own, double *all) {
   const dlsi_shares *of = &work->of;
   for (int k = 0; k < of->d * of->own; k++)

@@ -4,13 +4,13 @@
  *
  *   multiply  (GR1)  every rank has all of x and multiplies its share
  *             (GR2)  the shares are summed on rank 0, and the sum goes to all: one order of
- *                    summation, equal bits on each rank, so that no two ranks can part company in
+ *                    summation, equal bits on each rank, so that no two ranks branch differently in
  *                    an iteration. (MPI_Allreduce promises that only as advice to implementors.)
  *   invert    (GR3)  pdpotrf, pdpotri; or pdgetrf, pdgetri. An inverse, not a factor: its product
- *                    with a vector takes one message a rank, triangular solves one a block.
+ *                    with a vector takes one message per rank, triangular solves one per block.
  *
- * Of a symmetric matrix only the lower triangle is read: half of the memory traffic, which is what
- * a product takes its time for. pr is the largest divisor of the number of ranks up to its root.
+ * Of a symmetric matrix only the lower triangle is read: half of the memory traffic, which decides
+ * the time of a product. pr is the largest divisor of the number of ranks up to its root.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -57,7 +57,7 @@ void dlsi_grid_close(dlsi_grid *grid) {
 
 /* ---- matrices on it -------------------------------------------------------------------------- */
 
-/* index (count) := the numbers of the rows that process p of P has. */
+/* index (count) := the numbers of the rows of process p of P. */
 static void spread_number(int *index, int count, int p, int P) {
   const int nb = dlsi_cyclic_block;
   for (int l = 0; l < count; l++)
@@ -90,8 +90,8 @@ void dlsi_spread_free(dlsi_spread *s) {
   *s = (dlsi_spread){0};
 }
 
-/* Adds the part of a symmetric product that the columns j0 .. j0 + width - 1 of the share make,
- * which are one block. y: sums by rows, then by columns of the share. */
+/* Adds to a symmetric product the terms of columns j0 .. j0 + width - 1 of the share, which are one
+ * block. y: sums by rows, then by columns of the share. */
 static void spread_block(const dlsi_spread *s, const double *A, int j0, int width, int first) {
   const int nb = dlsi_cyclic_block, own = s->col[j0] / nb, rows = s->rows;
   int i = first; /* of the first block on or below the diagonal */

@@ -1,4 +1,4 @@
-/* main.c: the program `delassus-mpi`: reads a problem on rank 0, hands it out, solves it on all. */
+/* main.c: the program `delassus-mpi`: reads a problem on rank 0, shares it out, solves on all. */
 #define _GNU_SOURCE
 #include <getopt.h>
 #include <math.h>
@@ -123,7 +123,7 @@ static int part_begin(int count, int k) {
   return (int)((long long)count * k / ranks);
 }
 
-/* Copies columns a .. b-1 of L; p begins at 0. */
+/* Copies columns a .. b-1 of L; p starts at 0. */
 static void part_columns(const dls_sparse *L, int a, int b, int *p, int *i, double *x) {
   const size_t begin = (size_t)L->p[a], size = (size_t)L->p[b] - begin;
   for (int k = a; k <= b; k++)
@@ -278,11 +278,11 @@ static void print_ending(dls_status status, const dls_certificate *c) {
     printf("not solved: %s\n", dls_status_text(status));
 }
 
-/* What the options say. */
+/* The values of the options. */
 typedef struct choice {
   dls_factorization kind;
   dls_mpi_settings settings;
-  char on; /* W or K; 0: W, and K where the answer is not the body's */
+  char on; /* W or K; 0: W, then K if the answer is not that of the body */
   int print;
 } choice;
 
@@ -346,7 +346,7 @@ static dls_status solve_by_K(part *s, const choice *o, int warm, dls_info *info,
   return status;
 }
 
-/* As dls_reduction_solve: by W, then on K where the certificate of the body does not hold. */
+/* As dls_reduction_solve: by W, then on K if the certificate of the body does not hold. */
 static dls_status solve_part(part *s, const choice *o, dls_info *info, dls_error *error) {
   dls_status status =
       o->on == 'K' ? solve_by_K(s, o, 0, info, error) : solve_by_W(s, o, info, error);

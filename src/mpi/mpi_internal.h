@@ -1,4 +1,4 @@
-/* mpi_internal.h: what the files of src/mpi share. */
+/* mpi_internal.h: declares what the files of src/mpi share. */
 #ifndef MPI_INTERNAL_H
 #define MPI_INTERNAL_H
 
@@ -11,8 +11,8 @@
 
 /* ---- agree.c: one status for all ranks ------------------------------------------------------- */
 
-/* Returns a status that is equal on all ranks: the error of the first rank that has one, which
- * *error then tells on every rank, or DLS_OK. error: not NULL; of a rank with an error, filled.
+/* Returns a status that is equal on all ranks: DLS_OK, or the error of the first rank that has one;
+ * *error then describes it on every rank. error: not NULL; filled on a rank with an error.
  * Collective. */
 dls_status dlsi_agree(MPI_Comm comm, dls_status status, dls_error *error);
 
@@ -32,7 +32,7 @@ typedef struct dlsi_grid {
 dls_status dlsi_grid_open(dlsi_grid *grid, MPI_Comm comm, dls_error *error);
 void dlsi_grid_close(dlsi_grid *grid);
 
-/* How the square matrices of n rows are spread: entry (i, j) of the share, i + rows j, is entry
+/* The distribution of square matrices of n rows: entry (i, j) of the share, i + rows j, is entry
  * (row[i], col[j]), both ascending. */
 typedef struct dlsi_spread {
   const dlsi_grid *grid;
@@ -56,7 +56,7 @@ static inline size_t dlsi_spread_size(const dlsi_spread *s) {
 void dlsi_spread_multiply(const dlsi_spread *s, const double *A, int symmetric, int magnitudes,
                           const double *x, double *y);
 
-/* A := A^-1, symmetric: 1 if A is positive definite, whose lower triangle alone is read and
+/* A := A^-1, symmetric: 1 if A is positive definite; then only its lower triangle is read and
  * written. Returns 0, or k > 0 if pivot k, counted from 1, is not positive or is 0; -1 without
  * memory. Equal on all ranks. Collective. */
 int dlsi_spread_invert(const dlsi_spread *s, double *A, int symmetric);
@@ -78,21 +78,21 @@ typedef struct dlsi_shares {
   int count, *keep;   /* those unknowns, ascending */
 } dlsi_shares;
 
-/* Checks what each rank sees for itself: NULL, sizes, d, factorization. Local. */
+/* Checks what each rank can check alone: NULL, sizes, d, factorization. Local. */
 dls_status dlsi_shares_check(const dls_mpi_model *model, dls_error *error);
 
-/* Duplicates comm, checks the entries of the model, numbers, takes H. *work is zero before; the
- * caller calls dlsi_shares_free, also after an error. Collective, as all of these but
+/* Duplicates comm, checks the entries of the model, numbers, copies H. *work is zero before; the
+ * caller calls dlsi_shares_free, also after an error. All of these are collective except
  * check_vector. */
 dls_status dlsi_shares_create(dlsi_shares *work, MPI_Comm comm, const dls_mpi_model *model,
                               dls_error *error);
 void dlsi_shares_free(dlsi_shares *work);
 
-/* Joins the triplets of all ranks, equal sizes on all, to `whole`. The caller frees it. */
+/* Joins the triplets of all ranks, of equal sizes, in `whole`. The caller frees it. */
 dls_status dlsi_shares_join(const dlsi_shares *work, const dlsi_triplets *mine,
                             dlsi_triplets *whole, dls_error *error);
 
-/* Checks a vector of this rank; NULL is as good as zeros where `optional`. */
+/* Checks a vector of this rank; NULL means zeros if `optional`. */
 dls_status dlsi_shares_check_vector(const char *argument, const double *x, int count, int optional,
                                     dls_error *error);
 
@@ -115,7 +115,7 @@ typedef struct dlsi_mpi_body {
 } dlsi_mpi_body;
 
 /* Copies K, finds connected bodies and weights. *work is zero before; the caller calls
- * dlsi_mpi_body_free, also after an error. `of` stays where it is. Collective. */
+ * dlsi_mpi_body_free, also after an error. `of` must stay in place. Collective. */
 dls_status dlsi_mpi_body_create(dlsi_mpi_body *work, const dlsi_shares *of,
                                 const dls_mpi_model *model, dls_error *error);
 void dlsi_mpi_body_free(dlsi_mpi_body *work);
@@ -124,17 +124,17 @@ void dlsi_mpi_body_free(dlsi_mpi_body *work);
 
 typedef struct dlsi_condenser dlsi_condenser;
 
-/* Orders, analyses, factors K as the ranks have it: entries of a checked model. keep: the unknowns
- * c that H touches, count, ascending, equal on all ranks. *S: receives the share of the Schur
- * complement of the scaled A = R K C, as `spread` says, to be freed; its lower triangle where K is
- * symmetric. info: receives the phases and what MUMPS took. Collective, status equal on all ranks;
- * *out and *S are NULL on error. */
+/* Orders, analyses, factors K, spread as entries of a checked model. keep: the unknowns c that H
+ * touches, count, ascending, equal on all ranks. *S: receives the share of the Schur complement of
+ * the scaled A = R K C, distributed by `spread`, to be freed; its lower triangle if K is symmetric.
+ * info: receives the phases and the memory of MUMPS. Collective, status equal on all ranks; *out
+ * and *S are NULL on error. */
 dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, int n,
                                  const dls_mpi_model *model, double memory_limit, int count,
                                  const int *keep, const dlsi_spread *spread, double **S,
                                  dls_mpi_info *info, dls_error *error);
 
-/* R and C on the kept unknowns, count each, on every rank: (K^-1)_cc = C_c S^-1 R_c. Of all
+/* R and C on the kept unknowns, count each, on every rank: (K^-1)_cc = C_c S^-1 R_c. For all
  * unknowns, n each, on rank 0. */
 typedef struct dlsi_scales {
   const double *row, *col, *all_rows, *all_cols;
@@ -143,16 +143,16 @@ typedef struct dlsi_scales {
 dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work);
 
 /* The two halves of a solve. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
- * that (K^-1 b)_c = (K^-1)_cc z. expand: the x (n, on rank 0) that has the values y (count) on c.
- * b and x have room for n + 1 numbers. Collective. */
+ * that (K^-1 b)_c = (K^-1)_cc z. expand: x (n, on rank 0) with the values y (count) on c. b and x
+ * have room for n + 1 numbers. Collective. */
 dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error);
 dls_status dlsi_condenser_expand(dlsi_condenser *work, const double *y, double *x,
                                  dls_error *error);
 
-/* Orders and analyses the pattern of a matrix without kept unknowns; the phases go to info. Then
- * refactor takes the values of a model with the same pattern, as often as they change; condense
- * with z NULL and expand with y NULL solve. DLS_E_SINGULAR, DLS_E_NOT_POSITIVE_DEFINITE and
- * DLS_E_NOT_FINITE leave the pattern good for other values. Collective. */
+/* Orders and analyses the pattern of a matrix without kept unknowns; info receives the phases. Then
+ * refactor takes the values of a model with the same pattern, whenever they change; condense with z
+ * NULL and expand with y NULL solve. DLS_E_SINGULAR, DLS_E_NOT_POSITIVE_DEFINITE and
+ * DLS_E_NOT_FINITE leave the pattern ready for other values. Collective. */
 dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_grid *grid, int n,
                                 const dls_mpi_model *model, dls_mpi_info *info, dls_error *error);
 dls_status dlsi_condenser_refactor(dlsi_condenser *work, const dls_mpi_model *model,
@@ -165,7 +165,7 @@ void dlsi_condenser_destroy(dlsi_condenser *work);
 
 typedef struct dlsi_mpi_system {
   const dlsi_mpi_body *K;
-  dls_mpi_info *info; /* the phases are added up there */
+  dls_mpi_info *info; /* adds up the phases */
   dlsi_condenser *condenser;
   dls_factorization kind; /* of A */
   dls_mpi_model model;    /* entries of A on this rank, counted in this order: K, H R H^T, E */
@@ -173,12 +173,12 @@ typedef struct dlsi_mpi_system {
   int *row, *col;
   double *x;
   double *e;   /* n: E is hold * e, e = |K_jj| */
-  double hold; /* 0 where nothing is singular */
+  double hold; /* 0 if nothing is singular */
   double *b;   /* n: scratch */
 } dlsi_mpi_system;
 
 /* Lists A and analyses it. *work is zero before; the caller calls dlsi_mpi_system_free, also after
- * an error. K, info: borrowed. Collective, as the others. */
+ * an error. K, info: borrowed. All of these are collective. */
 dls_status dlsi_mpi_system_create(dlsi_mpi_system *work, const dlsi_mpi_body *K,
                                   dls_factorization kind, dls_mpi_info *info, dls_error *error);
 void dlsi_mpi_system_free(dlsi_mpi_system *work);
@@ -191,7 +191,7 @@ dls_status dlsi_mpi_system_solve(void *data, const double *b, double *x, double 
 
 /* ---- solve.c --------------------------------------------------------------------------------- */
 
-/* Rank 0's callback and clock as the word for all. */
+/* Rank 0's callback and clock, which hold for all ranks. */
 typedef struct dlsi_mpi_watch {
   MPI_Comm all;
   int root;
@@ -200,11 +200,11 @@ typedef struct dlsi_mpi_watch {
   int late; /* 1: stopped by the clock */
 } dlsi_mpi_watch;
 
-/* Begins to watch a solve with *limits, and replaces what differs by rank in *limits: callback and
- * clock. Collective. *watch lives as long as *limits is used. */
+/* Starts to watch a solve with *limits, and replaces callback and clock in *limits, which differ by
+ * rank. Collective. *watch lives as long as *limits is used. */
 void dlsi_mpi_watch_begin(dlsi_mpi_watch *watch, const dlsi_grid *grid, dls_limits *limits);
 
-/* Takes tol, max_iterations and warm_start of rank 0. Collective. */
+/* Sets tol, max_iterations and warm_start to those of rank 0. Collective. */
 void dlsi_mpi_take_limits(const dlsi_grid *grid, dls_limits *limits);
 
 /* ---- reduction.c ----------------------------------------------------------------------------- */
@@ -215,7 +215,7 @@ struct dls_mpi_reduction {
   dlsi_condenser *condenser;
   double condition; /* of K, scaled */
   dlsi_spread on_kept, on_W;
-  double *Z, *W; /* shares of (A^-1)_cc (lower triangle where symmetric) and of W */
+  double *Z, *W; /* shares of (A^-1)_cc (lower triangle if symmetric) and of W */
   double *A;     /* share of (W + rho D)^-1, NULL before the first solve; as Z */
   int A_symmetric;
   double *q, *gap;   /* m each: of the last load, as f */
@@ -227,7 +227,7 @@ struct dls_mpi_reduction {
 /* Computes x := K^-1 (f + H r) on every rank. r: m; x: n, of all ranks. Collective. */
 dls_status dlsi_mpi_recover(dls_mpi_reduction *work, const double *r, double *x, dls_error *error);
 
-/* Returns the wall clock and the CPU seconds of this thread, to take differences of. */
+/* The wall clock and the CPU seconds of this thread, to take differences of. */
 typedef struct dlsi_mpi_clock {
   double wall, cpu;
 } dlsi_mpi_clock;

@@ -1,20 +1,20 @@
 /*
  * reduction.c: K, H -> W, q and back to x, on several ranks.
  *
- *   create  (MR1)  the model as the ranks have it (shares.c), what its certificate needs (body.c)
+ *   create  (MR1)  the model as the ranks have it (shares.c), its certificate (body.c)
  *           (MR2)  S, the Schur complement of K on the unknowns c that H touches (condense.c)
  *           (MR3)  Z := S^-1 = (K^-1)_cc (grid.c)
  *           (MR4)  W := H_c^T Z H_c; of a symmetric Z = L + L^T, L its lower triangle with half of
  *                  the diagonal, W := V + V^T, V := H_c^T L H_c
- *           (MR5)  |A^-1|_F from one solve with a vector of +-1: singular where 1 / (|A|_1
- *                  |A^-1|_F) < 10 eps, as in linear/schur.c
+ *           (MR5)  |A^-1|_F from one solve with a vector of +-1: singular if 1 / (|A|_1 |A^-1|_F)
+ *                  < 10 eps, as in linear/schur.c
  *   load    (MR6)  q := H_c^T (K^-1 f)_c + g
  *   recover (MR7)  x := K^-1 (f + H r)
  *
- * (MR4) goes block column by block column: each rank multiplies its share of Z by the columns of H
- * (one or few entries each), process rows sum these panels on the process column that owns the
- * block, which multiplies by H^T and sums. Cost: b^3 and (MR4) m b (entries of a column of H) over
- * the ranks, b^2 / pr + m^2 / pc numbers sent by each.
+ * (MR4) goes by block columns: each rank multiplies its share of Z by the columns of H (one or few
+ * entries each); process rows sum these panels on the process column that owns the block; that
+ * column multiplies by H^T and sums. Cost: b^3 and (MR4) m b (entries of a column of H) over the
+ * ranks, b^2 / pr + m^2 / pc numbers sent by each.
  */
 #include <float.h>
 #include <limits.h>
@@ -37,13 +37,13 @@ static dls_status settings_check(const dls_reduction_settings *s, dls_error *err
   return DLS_OK;
 }
 
-/* Returns the place in the share of row (column) k of process p of P, -1 if another one has it. */
+/* Returns the place in the share of row (column) k of process p of P, -1 if it is not there. */
 static int reduction_place(int k, int p, int P) {
   const int nb = dlsi_cyclic_block, block = k / nb;
   return block % P == p ? block / P * nb + k % nb : -1;
 }
 
-/* Y(:, l - j0) := the share of Z H(:,l), of L H(:,l) where Z is symmetric, l = j0 .. j1 - 1. */
+/* Y(:, l - j0) := the share of Z H(:,l), of L H(:,l) if Z is symmetric, l = j0 .. j1 - 1. */
 static void form_right(const dls_mpi_reduction *work, int j0, int j1, double *Y) {
   const dlsi_spread *s = &work->on_kept;
   const size_t rows = (size_t)s->rows;
@@ -73,7 +73,7 @@ static void form_left(const dls_mpi_reduction *work, int width, const double *Y,
         T[m * l + (size_t)work->of.Ht.i[e]] += work->of.Ht.x[e] * Y[rows * l + i];
 }
 
-/* (MR4) V: receives the share of H^T L H, or of W where Z is not symmetric. Y, T: scratch. */
+/* (MR4) V: receives the share of H^T L H, or of W if Z is not symmetric. Y, T: scratch. */
 static void form_panels(const dls_mpi_reduction *work, double *Y, double *T, double *V) {
   const dlsi_grid *grid = &work->of.grid;
   const dlsi_spread *s = &work->on_W;

@@ -1,6 +1,6 @@
 /*
- * scalapack.h: the one place where BLACS, PBLAS and ScaLAPACK are declared. A descriptor `desc` is
- * nine ints (descinit_). Character arguments of ScaLAPACK carry no hidden lengths that it reads.
+ * scalapack.h: the only file that declares BLACS, PBLAS and ScaLAPACK. A descriptor `desc` is nine
+ * ints (descinit_). Character arguments of ScaLAPACK carry no hidden lengths that it reads.
  */
 #ifndef DLSI_SCALAPACK_H
 #define DLSI_SCALAPACK_H

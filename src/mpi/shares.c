@@ -5,7 +5,7 @@
  *   (SH1)  number rows and nodes through the ranks
  *   (SH2)  H goes to every rank, on the unknowns that it touches
  *
- * Memory of a rank: H twice. Fails: sizes that are no int, no memory.
+ * Memory of a rank: H twice. Fails: sizes that do not fit an int, no memory.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -54,7 +54,7 @@ static dls_status model_check_entries(const dls_mpi_model *model, int n, dls_err
 
 /* ---- create: numbers and H ------------------------------------------------------------------- */
 
-/* starts := sums of the counts before; returns the total, -1 if it is no int. */
+/* starts := sums of the previous counts; returns the total, -1 if it does not fit an int. */
 static long long number_ranks(int ranks, const int *counts, int *starts) {
   long long sum = 0;
   for (int k = 0; k < ranks; k++) {

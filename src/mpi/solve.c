@@ -2,19 +2,19 @@
  * solve.c: solves the contact problem of a reduction on several ranks.
  *
  *   (MS1)  up to settings.gather rows: W goes to rank 0, which calls dls_solve
- *   (MS2)  above: each rank runs the iteration of vi/admm.c on the same vectors, and only what
- *          takes the matrix is shared: A := (W + rho D)^-1 for each rho, one product with A an
- *          iteration, one with W and one with |W| for a certificate
+ *   (MS2)  above: each rank runs the iteration of vi/admm.c on the same vectors. Only work with the
+ *          matrix is shared: A := (W + rho D)^-1 for each rho, one product with A an iteration, one
+ *          with W and one with |W| for a certificate
  *
  *   (MS4)  x := K^-1 (f + H r), and the certificate of (x, r) on the body decides, as in
  *          src/front/body.c
- *   (MS5)  where it does not hold, and r solves the problem on W: again from r, with the tolerance
- *          on W that the residual of the body asks for, as long as that residual halves. The two
- *          residuals have other scales and weights: by a factor on ordinary bodies, by 1e8 on
+ *   (MS5)  if it does not hold, and r solves the problem on W: again from r, with the tolerance on
+ *          W that the residual of the body requires, as long as that residual halves. The two
+ *          residuals have different scales and weights: by a factor on ordinary bodies, by 1e8 on
  *          soft springs, where no tolerance helps
  *
  * Numbers of (MS2) are equal on all ranks to the last bit (grid.c), so that all ranks stop at the
- * same place. What differs by rank, the clock and the callback, is rank 0's word (MS3).
+ * same place. Clock and callback differ by rank: those of rank 0 count (MS3).
  * Cost: per rho m^3 (2 m^3 by LU) over the ranks; per iteration 2 m^2 over the ranks and O(m); per
  * turn of (MS5) a solve and a product with K.
  */
@@ -38,7 +38,7 @@ void dls_mpi_settings_init(dls_mpi_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-/* What a solve has on every rank: vectors of all ranks. */
+/* The data of a solve on every rank: vectors of all ranks. */
 typedef struct shared_solve {
   dls_mpi_reduction *work;
   dls_mpi_settings settings;
@@ -112,7 +112,7 @@ static void shared_diagonal(shared_solve *solve) {
 
 /* ---- (MS3) ----------------------------------------------------------------------------------- */
 
-/* Is called at the same iteration on every rank. */
+/* Called at the same iteration on every rank. */
 static int watch_progress(void *data, const dls_progress *progress) {
   dlsi_mpi_watch *watch = data;
   const dls_limits *told = &watch->told;
@@ -145,7 +145,7 @@ void dlsi_mpi_take_limits(const dlsi_grid *grid, dls_limits *limits) {
   limits->warm_start = (int)numbers[2];
 }
 
-/* ---- the two ways ---------------------------------------------------------------------------- */
+/* ---- the two methods ------------------------------------------------------------------------- */
 
 /* (MS1) */
 static dls_status solve_gathered(shared_solve *solve, dls_info *info, dls_error *error) {
@@ -264,7 +264,7 @@ dls_status dls_mpi_certify(dls_mpi_reduction *reduction, const double *mu, const
   return dlsi_at(__func__, status, error);
 }
 
-/* Solves on W for the limits in solve->settings. */
+/* Solves on W within the limits of solve->settings. */
 static dls_status solve_on_W(shared_solve *solve, dls_info *info, dls_error *error) {
   const dls_mpi_reduction *work = solve->work;
   const dls_contact empty = {.d = work->of.d, .nc = work->of.nodes};
@@ -276,11 +276,10 @@ static dls_status solve_on_W(shared_solve *solve, dls_info *info, dls_error *err
                                               : solve_shared(solve, info, error);
 }
 
-/* What a caller's callback sees of the turns of (MS5): one solve, whose last call comes at the end
- * of all. */
+/* Shows a caller's callback the turns of (MS5) as one solve, with its last call at the very end. */
 typedef struct turns {
   const dls_limits *asked;
-  double before; /* CPU seconds of the turns before */
+  double before; /* CPU seconds of the previous turns */
 } turns;
 
 static int turns_progress(void *data, const dls_progress *progress) {
@@ -294,8 +293,8 @@ static int turns_progress(void *data, const dls_progress *progress) {
   return of->asked->progress(of->asked->progress_data, &now);
 }
 
-/* Leaves to the next turn of (MS5) what is left of the limits; returns 0 if nothing is. Collective:
- * the clock is rank 0's. */
+/* Leaves the rest of the limits to the next turn of (MS5); returns 0 if nothing is left.
+ * Collective: by the clock of rank 0. */
 static int solve_goes_on(shared_solve *solve, const dls_limits *asked, double begun,
                          const dls_info *info) {
   dls_limits *limits = &solve->settings.limits;
@@ -378,7 +377,7 @@ static dls_status solve_allocate(shared_solve *solve, dls_error *error) {
   return DLS_OK;
 }
 
-/* Takes rank 0's settings, and mu and the start of all ranks. own: scratch, m. */
+/* Copies rank 0's settings, and mu and the start of all ranks. own: scratch, m. */
 static void solve_take(shared_solve *solve, const double *mu, const double *r, double *own) {
   const dls_mpi_reduction *work = solve->work;
   dls_limits *limits = &solve->settings.limits;

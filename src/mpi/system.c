@@ -1,15 +1,15 @@
 /*
- * system.c: A = K + H R H^T + E on the ranks, factored by the parallel MUMPS for one R after the
- * other on one analysis: global/system.c for a K that is spread.
+ * system.c: A = K + H R H^T + E on the ranks, factored by the parallel MUMPS for several R after
+ * one analysis: global/system.c for a K that is spread.
  *
  *   (MY1)  each rank lists its entries of K, H R H^T of its contact nodes, E of its rows
- *   (MY2)  E = 0. Where A is singular or not definite, or its condition is above 1e13 (scaled; one
- *          solve with a vector of +-1), E = 1e-8 diag(|K_jj|), whose E x_old stands on the right
- *          side; where A with E is not definite, LDL^T with E = 0, then with E
+ *   (MY2)  E = 0. If A is singular or not definite, or its condition is above 1e13 (scaled; one
+ *          solve with a vector of +-1), E = 1e-8 diag(|K_jj|), with E x_old on the right side; if A
+ *          with E is not definite, LDL^T with E = 0, then with E
  *   (MY3)  a solve: b from rank 0 to the factor, x from rank 0 to all
  *
- * No matrix of m rows is formed on any rank. Cost: an analysis on rank 0, a factorisation for each
- * R, a solve an iteration. Fails: singular with E, no memory.
+ * No matrix of m rows is formed on any rank. Cost: an analysis on rank 0, a factorisation per R, a
+ * solve per iteration. Fails: singular with E, no memory.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static const double soft = 1e-8, most_condition = 1e13;
 
 /* ---- entries --------------------------------------------------------------------------------- */
 
-/* Lists H R H^T of the nodes of this rank at row, col, x (NULL: only counts), one triangle where
+/* Lists H R H^T of the nodes of this rank at row, col, x (NULL: only counts); one triangle if
  * `half`. R: m. Returns the number of entries. */
 static size_t system_push(const dlsi_shares *of, int half, const double *R, int *row, int *col,
                           double *x) {
@@ -42,7 +42,7 @@ static size_t system_push(const dlsi_shares *of, int half, const double *R, int 
   return count;
 }
 
-/* e := |K_jj|, the largest of them where it is 0. */
+/* e := |K_jj|, or the largest of them if it is 0. */
 static void system_diagonal(dlsi_mpi_system *work) {
   const dlsi_mpi_body *K = work->K;
   const int n = K->of->n;
@@ -107,7 +107,7 @@ static dls_status system_solve(dlsi_mpi_system *work, double *x, dls_error *erro
   return status ? status : dlsi_condenser_expand(work->condenser, NULL, x, error);
 }
 
-/* Returns DLS_E_SINGULAR where the condition of A is above most_condition. */
+/* Returns DLS_E_SINGULAR if the condition of A is above most_condition. */
 static dls_status system_judge(dlsi_mpi_system *work, dls_error *error) {
   const size_t n = (size_t)work->K->of->n;
   const int root = work->K->of->grid.rank == 0;

@@ -1,4 +1,4 @@
-/* test_alone.c: which problems auto answers from r = 0 without a workspace, and what it says. */
+/* test_alone.c: problems that auto answers from r = 0 without a workspace, and its report. */
 #include <check.h>
 #include <float.h>
 #include <string.h>

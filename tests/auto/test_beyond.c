@@ -1,4 +1,4 @@
-/* test_beyond.c: more than 300 rows, W dense: Lemke's method where all else ends nowhere, and its
+/* test_beyond.c: more than 300 rows, W dense: Lemke's method after all else has failed, and its
  * proofs. */
 #include <check.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* test_plans.c: what auto reports of its steps; plans and steps left out that a caller names. */
+/* test_plans.c: the report of auto on its steps; plans and omitted steps that a caller names. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

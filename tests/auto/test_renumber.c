@@ -1,4 +1,4 @@
-/* test_renumber.c: the copy of a problem in an order and in units of its own, and auto on it. */
+/* test_renumber.c: the copy of a problem in its own order and units, and auto on it. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

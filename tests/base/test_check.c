@@ -1,4 +1,4 @@
-/* test_check.c: what the checks say of input at their limits: values, indices, words. */
+/* test_check.c: the results of checks for input at their limits: values, indices, words. */
 #include <check.h>
 #include <float.h>
 #include <limits.h>

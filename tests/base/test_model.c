@@ -1,4 +1,4 @@
-/* test_model.c: which K is read whole and which by its lower triangle; sizes at their limits. */
+/* test_model.c: K read whole or by its lower triangle; sizes at their limits. */
 #include <check.h>
 #include <limits.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* test_subset.c: where a subset puts its numbers, entry by entry, and what it says of its list. */
+/* test_subset.c: where a subset puts its numbers, entry by entry; errors in its list. */
 #include <check.h>
 #include <string.h>
 

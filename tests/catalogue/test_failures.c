@@ -1,6 +1,6 @@
 /*
- * test_failures.c: what each method answers on each problem of data/failures: never "solved" where
- * it is not, never without end, and one of the solutions that the file states where it says "ok".
+ * test_failures.c: the answer of each method to each problem of data/failures: never a false
+ * "solved", never without end, and one of the solutions that the file states if it says "ok".
  */
 #include <check.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* test_matrices.c: `delassus solve` from the matrices of a host code, beside the same host in C. */
+/* test_matrices.c: `delassus solve` from the matrices of a host code, and the same host in C. */
 #define _GNU_SOURCE
 #include <check.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* test_mistakes.c: mistakes that people make, each with an answer that says what to do; one meaning
- * for each short option; JSON from every command. */
+ * per short option; JSON from every command. */
 #define _GNU_SOURCE
 #include <check.h>
 #include <stdio.h>
@@ -59,10 +59,11 @@ static const struct {
     {"converge jean-fig3", 2, "jean-fig3: has no closed form; bar-impact, bar-bounce and"},
     {"converge bar", 2, "did you mean bar-impact, bar-bounce or bar-fixed?"},
     {"chart jean-fig", 2, "no file and no scene; did you mean jean-fig3 or jean-fig4?"},
-    {"solve jean-fig3", 2, "jean-fig3: is a scene: delassus scene jean-fig3"},
+    {"solve jean-fig5", 2, "jean-fig5: no file and no scene; did you mean jean-fig3 or jean-fig4?"},
     {"solve --stifness=@/K.mtx", 2, "--stifness: is no option; did you mean --stiffness?"},
     {"scene jean-fig3 --wieghted", 2, "--wieghted: is no option; did you mean --weighted?"},
-    {"solve --st=@/K.txt", 2, "--st: is no option; did you mean --stiffness or --stabilize?"},
+    {"solve --st=@/K.txt", 2,
+     "--st: is no option; did you mean --stiffness, --stabilize or --step?"},
     {"solve -m nwton @/K.mtx", 2, "--method: 'nwton' is no method; did you mean newton?"},
     {"solve -m x @/K.mtx", 2, "'x' is no method; these are: auto, nlgs, lemke"},
     {"scene indentation -m newtn", 2, "did you mean newton?"},
@@ -72,7 +73,7 @@ static const struct {
     {"solve @/K.mtx", 2, "/K.mtx is a matrix: use --stiffness"},
     {"solve @/K.txt", 2, "/K.txt is a table of numbers: use --stiffness"},
     {"info @/K.mtx", 2, "/K.mtx is a matrix: use --stiffness"},
-    {"chart @/K.mtx -o @/c", 2, "a matrix, no problem; 'delassus solve --stiffness' takes it"},
+    {"chart @/K.mtx -o @/c", 2, "K.mtx is a matrix: use --stiffness"},
     {"solve --stiffness=data/fclib/CubeH8.hdf5 --HN=@/N.txt", 2,
      "is an HDF5 file, no matrix; a problem of FCLIB: delassus solve data/fclib/CubeH8.hdf5"},
     {"solve --lcp @/K.mtx", 2, "q is missing: delassus solve --lcp"},

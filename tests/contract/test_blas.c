@@ -1,5 +1,5 @@
 /*
- * test_blas.c: a BLAS with two threads beside one with one: every method, LCP solvers and
+ * test_blas.c: a BLAS with two threads against a BLAS with one: every method, LCP solvers and
  * reductions have the same bits up to 1000 rows, and no thread of the BLAS wakes.
  * `test_blas CANDIDATES` prints CPU time and bits of each method instead (docs/threads.md).
  */

@@ -1,8 +1,8 @@
 /*
- * test_busy.c: objects that the table of methods does not hold, used again from inside of their own
+ * test_busy.c: objects outside of the table of methods, used again from inside of their own
  * callback: LCP solvers, the primal solver, reductions with a host's solver, motions. Every call
- * that would change the object answers DLS_E_BUSY, the call at work ends as if nothing had been
- * asked, and the object is free again. The methods of the table: test_contract.c.
+ * that would change the object returns DLS_E_BUSY, the first call ends as if nothing had happened,
+ * and the object is free again. The methods of the table: test_contract.c.
  */
 #include <check.h>
 #include <stdlib.h>

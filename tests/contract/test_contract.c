@@ -1,7 +1,7 @@
 /*
- * test_contract.c: what every method owes, by whichever door it is called: its own functions, or
- * dls_solver with each method of the library's table. A method that joins the table is tested here
- * without an edit.
+ * test_contract.c: the obligations of every method, by each public interface ("door"): its own
+ * functions, or dls_solver with each method of the library's table. A method that joins the table
+ * is tested here without an edit.
  *
  * A loop test counts doors first: _i = door * cases + case.
  */

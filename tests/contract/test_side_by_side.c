@@ -1,6 +1,6 @@
 /*
  * test_side_by_side.c: eight host threads at once, each with its own objects: every method of the
- * table by every door, LCP solvers, a motion. Each answer has the bits that one thread alone gets.
+ * table by every door, LCP solvers, a motion. Each answer has the same bits as one thread alone.
  * Reductions and files: tests/reduction/test_threads.c.
  */
 #define _POSIX_C_SOURCE 200809L /* pthread_barrier */

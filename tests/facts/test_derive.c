@@ -1,6 +1,6 @@
 /*
- * test_derive.c: derivatives beside closed forms and central differences of answers that are
- * improved to rounding, extrapolated (Romberg) from steps that keep the states; kinks beside
+ * test_derive.c: derivatives against closed forms and central differences of answers that are
+ * improved to rounding, extrapolated (Romberg) from steps that keep the states; kinks against
  * one-sided differences.
  *
  *   build/tests/facts/test_derive FILE.hdf5 ...

@@ -1,5 +1,5 @@
 /*
- * test_derive_body.c: derivatives of answers (x, r) on K beside central differences and closed
+ * test_derive_body.c: derivatives of answers (x, r) on K against central differences and closed
  * forms: the block of Jean, free bodies, joints, weighted reactions, E and nu.
  */
 #include <check.h>

@@ -1,4 +1,4 @@
-/* test_farkas.c: the linear problem that every solution solves, what it proves and excludes. */
+/* test_farkas.c: the linear problem that every solution solves: what it proves and excludes. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

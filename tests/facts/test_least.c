@@ -1,8 +1,8 @@
 /*
  * test_least.c: the least reactions of an answer's positions, and how many there are.
  *
- * Rigid bodies held by more contacts than determine their reactions: tables, an arch, a wall. Hand
- * solved, or from every method and from two orders of the contacts.
+ * Rigid bodies held by more contacts than determine their reactions: tables, an arch, a wall.
+ * Solved by hand, or by every method and in two orders of the contacts.
  */
 #include <check.h>
 #include <math.h>

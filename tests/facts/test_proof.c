@@ -1,6 +1,6 @@
 /*
- * test_proof.c: what "no solution" stands for: exact sums, vectors near a proof, LCPs and contact
- * problems without a solution, with one far away, and with one that rounding hides.
+ * test_proof.c: the meaning of "no solution": exact sums, vectors near a proof, LCPs and contact
+ * problems without a solution, with a far solution, and with one hidden by rounding.
  *
  *   test_proof print COUNT    prints so many verdicts with their proofs for tests/exact_farkas.py
  */

@@ -1,5 +1,5 @@
 /*
- * test_prove.c: proofs beside exact answers.
+ * test_prove.c: proofs against exact answers.
  *
  * Problems of small integers, d = 1 and 2: all states in turn, each solved in fractions, give all
  * solutions. d = 3: the solution is planted, r_t on Pythagorean triples, q = u - W r in integers.

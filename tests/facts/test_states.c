@@ -1,5 +1,5 @@
-/* test_states.c: all states of small contact problems by hand: which are listed, in which order,
- * and what auto's search through them says. */
+/* test_states.c: all states of small contact problems by hand: the list, its order, and the result
+ * of auto's search through them. */
 #include <check.h>
 #include <math.h>
 #include <string.h>

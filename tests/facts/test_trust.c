@@ -1,5 +1,5 @@
 /*
- * test_trust.c: all solutions of small problems, the fold, and what a residual means.
+ * test_trust.c: all solutions of small problems, the fold, and the meaning of a residual.
  */
 #include <check.h>
 #include <math.h>

@@ -1,5 +1,5 @@
-/* test_forming_body.c: tests that a forming scene ends with a body or with a place and a reason:
- * corners are counted here, from the files for ParaView, without the code of the scene. */
+/* test_forming_body.c: tests that a forming scene ends with a body, or with a place and a reason.
+ * Corners are counted here, from the files for ParaView, without the code of the scene. */
 #define _XOPEN_SOURCE 700 /* mkdtemp */
 
 #include <check.h>

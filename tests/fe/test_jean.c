@@ -3,8 +3,8 @@
  * reduction, Gauss-Seidel and Lemke, recovery.
  *
  * The tolerances, relative to a column's largest value, are those of data/jean-1988/README.md: the
- * paper stopped at a relative change of 1e-4. Everything that does not depend on the print is held
- * to the solvers' tolerance.
+ * paper stopped at a relative change of 1e-4. All that does not depend on the print is tested to
+ * the solvers' tolerance.
  */
 #include <check.h>
 #include <float.h>

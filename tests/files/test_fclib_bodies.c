@@ -1,4 +1,4 @@
-/* test_fclib_bodies.c: which global problems are taken for rigid bodies, and as what. */
+/* test_fclib_bodies.c: which global problems are read as rigid bodies, and the result. */
 #include <check.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* test_output.c: every file that is written is the old one or a whole new one, by whatever name. */
+/* test_output.c: every written file is the old one or a whole new one, by any kind of name. */
 #define _GNU_SOURCE
 #include <check.h>
 #include <dirent.h>

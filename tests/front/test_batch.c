@@ -1,4 +1,4 @@
-/* test_batch.c: dls_solve_batch beside dls_solve. */
+/* test_batch.c: dls_solve_batch against dls_solve. */
 #include <check.h>
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /*
- * test_body.c: dls_reduction_solve and dls_reduction_certify: "solved" is said of the body, not of
- * W.
+ * test_body.c: dls_reduction_solve and dls_reduction_certify: "solved" means the body, not only W.
  */
 #include <check.h>
 #include <math.h>

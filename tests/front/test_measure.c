@@ -1,4 +1,4 @@
-/* test_measure.c: what bench/ counts as solved (bench/solvers_call.c). */
+/* test_measure.c: the rule by which bench/ counts solves (bench/solvers_call.c). */
 #include <check.h>
 #include <math.h>
 

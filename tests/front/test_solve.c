@@ -1,4 +1,4 @@
-/* test_solve.c: the front door: every method by the same calls. */
+/* test_solve.c: dls_solver: every method by the same calls. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

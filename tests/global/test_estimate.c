@@ -1,5 +1,5 @@
-/* test_estimate.c: the foreseen cost of a problem on K beside counts by elimination, entry by
- * entry, and beside the bytes that a solve asks for. */
+/* test_estimate.c: the estimated cost of a problem on K against counts by elimination, entry by
+ * entry, and against the bytes that a solve allocates. */
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>

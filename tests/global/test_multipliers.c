@@ -1,5 +1,5 @@
-/* test_multipliers.c: joints beside contacts, redundant ones too, on W and on K: truth from statics
- * by hand. */
+/* test_multipliers.c: joints together with contacts, redundant ones too, on W and on K: truth from
+ * statics by hand. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

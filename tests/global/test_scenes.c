@@ -1,6 +1,6 @@
-/* test_scenes.c: free bodies with contacts at random in 2D and 3D. Statics is planted: a scene that
- * stands is solved, one that falls is never said to be solved, and is proved to fall; no proof but
- * of those. build/tests/global/test_scenes runs a fixed number of seeds. */
+/* test_scenes.c: free bodies with random contacts in 2D and 3D, with known statics. A scene that
+ * stands is solved; one that falls is never "solved", and is proved to fall; no other proofs.
+ * build/tests/global/test_scenes runs a fixed number of seeds. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

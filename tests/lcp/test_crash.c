@@ -1,4 +1,4 @@
-/* test_crash.c: the rounds of the crash start beside elimination, and where they give up. */
+/* test_crash.c: the rounds of the crash start against elimination, and where they give up. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

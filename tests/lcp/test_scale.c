@@ -1,4 +1,4 @@
-/* test_scale.c: the scaling of an LCP beside its formulas, entry by entry. */
+/* test_scale.c: the scaling of an LCP against its formulas, entry by entry. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* test_table.c: Lemke's table, whose exchanges are put off, beside one that takes each at once. */
+/* test_table.c: Lemke's table, which postpones its pivots, against one that does each at once. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* test_dense.c: dense factors: Cholesky, and LU where that is not possible, by their residuals. */
+/* test_dense.c: dense factors: Cholesky, LU if that is not possible, by their residuals. */
 #include <check.h>
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /*
- * test_pieces.c: products and factors in pieces: those of definitions, BLAS's as a whole, the same
- * bits with any number of threads of the BLAS, and none of these awake.
+ * test_pieces.c: products and factors in pieces: against definitions and whole calls of BLAS, the
+ * same bits with any number of threads of the BLAS, none of which wakes.
  */
 #define _POSIX_C_SOURCE 200809L /* CLOCK_PROCESS_CPUTIME_ID */
 

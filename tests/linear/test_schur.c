@@ -1,5 +1,5 @@
 /* test_schur.c: the Schur complement of small sparse matrices by hand: solves, halves, inverses,
- * what is measured and what is reported. */
+ * measures and errors. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

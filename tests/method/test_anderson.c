@@ -1,4 +1,4 @@
-/* test_anderson.c: Anderson acceleration, by hand and beside a direct least squares problem. */
+/* test_anderson.c: Anderson acceleration, by hand and against a direct least squares problem. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* test_border.c: a Newton step by the factors of other states, beside the matrix of its own. */
+/* test_border.c: a Newton step with the factors of other states, against its own matrix. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

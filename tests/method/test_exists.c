@@ -1,4 +1,4 @@
-/* test_exists.c: what W alone tells of solutions (vi/exists.c), on matrices worked by hand. */
+/* test_exists.c: what W alone proves about solutions (vi/exists.c), on matrices worked by hand. */
 #include <check.h>
 
 #include "cases.h"

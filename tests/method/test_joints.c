@@ -1,4 +1,4 @@
-/* test_joints.c: W + R on the motions of the joints, beside W + R itself. */
+/* test_joints.c: W + R on the motions of the joints, against W + R itself. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

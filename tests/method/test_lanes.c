@@ -1,6 +1,6 @@
 /*
  * test_lanes.c: sweeps over eight small problems at once: on problems whose sweeps contract each
- * lane arrives, whatever the others do, at the certificate that was asked for.
+ * lane reaches the requested certificate, whatever the others do.
  */
 #include <check.h>
 #include <math.h>

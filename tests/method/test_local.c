@@ -1,4 +1,4 @@
-/* test_local.c: the exact solution of one candidate. BLOCKS random blocks per dimension. */
+/* test_local.c: the exact solution of one contact. BLOCKS random blocks per dimension. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* test_order.c: the order of the candidates that follows from the data. */
+/* test_order.c: the order of the contacts that follows from the data. */
 #include <check.h>
 #include <math.h>
 #include <string.h>

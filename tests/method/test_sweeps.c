@@ -1,5 +1,5 @@
-/* test_sweeps.c: every iterate of Gauss-Seidel beside (NL1)-(NL8) done one by one, with a product
- * by W for each candidate. */
+/* test_sweeps.c: every iterate of Gauss-Seidel against (NL1)-(NL8) done one by one, with a product
+ * by W for each contact. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* test_turns.c: which way is the quickest (vi/turns.c), on ways whose rates are known. */
+/* test_turns.c: which variant is the fastest (vi/turns.c), on variants with known rates. */
 #include <check.h>
 
 #include "run.h"

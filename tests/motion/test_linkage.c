@@ -1,4 +1,4 @@
-/* test_linkage.c: bodies that move, held by joints, given twice: multipliers in K or in M. */
+/* test_linkage.c: moving bodies held by joints, given twice: multipliers in K or in M. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* test_step.c: every figure of a step beside its formula, from dense matrices; when candidates are
- * closed; what a start forgets; what is reported. */
+/* test_step.c: every figure of a step against its formula, from dense matrices; when contacts are
+ * closed; what a start forgets; the reports. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* shares.c: what shares.h says. */
+/* shares.c: implements shares.h. */
 #include "shares.h"
 
 #include <math.h>

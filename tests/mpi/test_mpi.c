@@ -1,4 +1,4 @@
-/* test_mpi.c: the reduction and the solve on several ranks beside the serial ones. Run by
+/* test_mpi.c: the reduction and the solve on several ranks against the serial ones. Run by
  * tests/mpi/run.sh under mpirun. */
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* test_mpi_global.c: the contact problem on K itself on several ranks beside the serial one; a
+/* test_mpi_global.c: the contact problem on K itself on several ranks against the serial one; a
  * host's solver; errors, limits, memory. Run by tests/mpi/run.sh under mpirun. */
 #include <math.h>
 #include <stdio.h>

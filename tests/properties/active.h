@@ -1,7 +1,7 @@
 /*
  * active.h: the linear equations of chosen states, and Newton's method on them, in long double.
  *
- * With the states of the candidates chosen, the laws are linear but for the direction of slip in 3D
+ * For chosen states of the contacts the laws are linear, except for the direction of slip in 3D
  * (e = r_t / |r_t|, e' normal to it). Unknowns z and equations of
  *
  *   stick  r (d)                                       u = 0

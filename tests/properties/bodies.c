@@ -1,5 +1,5 @@
 /*
- * bodies.c: stacks of blocks on K itself, the statics that they have, and the judge: bodies.h.
+ * bodies.c: stacks of blocks on K itself, their statics, and the judge: bodies.h.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,10 @@
 /*
- * bodies.h: stacks of blocks that contact alone holds, K x = f + H r, u = H' x, d = 2, and what
- * statics says of them: short dyadic numbers, so that every resultant below is exact.
+ * bodies.h: stacks of blocks that only contact holds, K x = f + H r, u = H' x, d = 2, and their
+ * statics, in short dyadic numbers: every resultant below is exact.
  *
  * Block b is a lattice of braced unit squares on plane b: the ground for b = 0, else the top of
- * block b - 1. K is singular: three rigid motions a block. The resultant of plane b is what the
- * loads of the blocks b and above ask of it:
+ * block b - 1. K is singular: three rigid motions a block. The resultant of plane b follows from
+ * the loads of the blocks b and above:
  *
  *   N = - sum f_y,  T = - sum f_x,  M = sum x_c r_n = - sum (x f_y - y f_x) + height T
  *

@@ -1,10 +1,10 @@
 /*
  * check.c: the runs of one problem, and the rules that their answers must keep.
  *
- * Every run is judged alone (rules 1, 2, 3, 7) and beside the runs of the same problem (4, 5, 6).
- * A problem is solved by auto at two tolerances always; storages, scales, orders, starts, single
- * methods and the two forms of the LCP take turns, drawn by the seed, so that a minute sees
- * thousands of problems. A problem that auto has searched for long is run a quarter as often.
+ * Every run is judged alone (rules 1, 2, 3, 7) and against runs of the same problem (4, 5, 6).
+ * Every problem is solved by auto at two tolerances; storages, scales, orders, starts, single
+ * methods and the two forms of the LCP take turns, drawn by the seed: a minute covers thousands of
+ * problems. If auto takes k > 1000 factorisations, the others run 1000 / k times as often.
  */
 #include <float.h>
 #include <math.h>
@@ -141,7 +141,7 @@ static rule judge_copy(const problem *p, const run *one, const outcome *a, const
 
 /* ---- the runs of a problem ------------------------------------------------------------------- */
 
-/* Factorisations of auto's first run: of dearer problems the other runs are as many fewer. */
+/* Factorisations of auto's first run, beyond which other runs are rarer in proportion. */
 static const double dear = 1000;
 
 typedef struct plan {

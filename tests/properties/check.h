@@ -1,5 +1,5 @@
 /*
- * check.h: one problem, solved in many ways, and what the answers may not say.
+ * check.h: one problem, solved by many methods, and what the answers must not claim.
  */
 #ifndef PROPERTIES_CHECK_H
 #define PROPERTIES_CHECK_H

@@ -1,16 +1,16 @@
 /*
- * extremes.c: problems far from one another in size: what users' models have, and uniform random
- * numbers have not.
+ * extremes.c: problems with numbers of very different sizes, as in users' models; uniform random
+ * numbers do not contain them.
  *
- *   OPEN     candidates that are open, their gaps 1 to 1e15 and their W_cc 1e-12 to 1e12 of others'
+ *   OPEN     contacts that are open, their gaps 1 to 1e15 and their W_cc 1e-12 to 1e12 of others'
  *   SPRINGS  W = C C' + 2^k B B', B the rigid motions of a body on soft springs, k = 13 .. 46
  *   ASPECT   W = S V S, S 10^(-5 .. 5) on tangents: W_tt / W_nn up to 1e10 and down to 1e-10
  *   MASSES   W = H' M^-1 H of stacked bodies whose masses are up to 1e12 apart
  *   BONDED   friction up to 1e9, and infinite
  *   HEAVY    a reaction 1e2 to 1e12 times the others
- *   SIZES    W = B B' + D, B of few columns, as many candidates or rows as a limit of the library
+ *   SIZES    W = B B' + D, B of few columns, as many contacts or rows as a limit of the library
  *
- * The planted r, u and the stored W are what is known; plant_q makes q of them without rounding.
+ * The planted r, u and the stored W are known; plant_q makes q of them without rounding.
  */
 #include <math.h>
 #include <stdlib.h>

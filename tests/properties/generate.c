@@ -1,6 +1,5 @@
 /*
- * generate.c: contact problems whose answer, or whose lack of one, is known before a solver sees
- * them.
+ * generate.c: contact problems whose answer, or whose lack of one, is known in advance.
  *
  *   SOLVABLE    states first (free, stick, slip, and the two edges: grazing, stick on the cone),
  *               then r and u that meet the law, then W, then q = u - W r
@@ -9,8 +8,8 @@
  *   SURE        y' B_n = 0 and q_n.y < 0 as above, but W = B B' + 2^-k I: definite, nearly singular
  *   BORDERLINE  any q; or one of the two above, moved by a power of two of its size
  *
- * Classes with short numbers (whole numbers and few bits) are exact: rounding changes nothing of
- * the statement.
+ * Classes with short numbers (whole numbers and few bits) are exact: rounding does not change the
+ * statement.
  */
 #include <float.h>
 #include <math.h>

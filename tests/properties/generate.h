@@ -1,5 +1,5 @@
 /*
- * generate.h: what generate.c and extremes.c share.
+ * generate.h: declares what generate.c and extremes.c share.
  */
 #ifndef PROPERTIES_GENERATE_H
 #define PROPERTIES_GENERATE_H

@@ -1,22 +1,22 @@
 /*
- * measure.c: the certificate of DESIGN.md in long double, written from its formulas and not from
+ * measure.c: the certificate of docs/certificate.md in long double, from its formulas and not from
  * the library.
  *
  *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t/w_n) max(0, v_n),  u = W r + q
  *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R, 0 where v_n <= 0
  *   positions  |F| / |q|,   forces  |D^-1 F| / |r|,  at most 1
  *
- * w_n = W_nn, w_t = trace(W_tt) / (d-1); where one is not positive, the mean of the positive ones
- * of its kind; where its kind has none, what the other kind has; else the largest entry of the
- * diagonal blocks, else 1. |q| and |r| are those of the candidates that touch, v_n > 0.
+ * w_n = W_nn, w_t = trace(W_tt) / (d-1); if one is not positive, the mean of the positive ones of
+ * its kind; if its kind has none, that of the other kind; else the largest entry of the diagonal
+ * blocks, else 1. |q| and |r| are those of the contacts that touch, v_n > 0.
  *
- * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e what rounds in F of a candidate that
- * touches, with a = |W||r| + |q| by entries:
+ * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e the size of what rounds in F of a contact
+ * that touches, with a = |W||r| + |q| by entries:
  *
  *   stick, bonded  e = a
  *   slip           e_n = a_n,  e_t = w_t |r_t| + mu (w_t/w_n) (a_n + w_n r_n), and in 3D the turn
  *                  of the slip, w_t |r_t| |a_t| / |w_t r_t - u_t|
- *   stick that 4 eps of (a_n + w_n r_n) would make slip
+ *   stick that would slip with another rounding, 4 eps of (a_n + w_n r_n)
  *                  e_n = a_n,  e_t = a_t + mu (w_t/w_n) (a_n + w_n r_n)
  */
 #include <float.h>

@@ -1,5 +1,5 @@
 /*
- * problem.h: a contact problem with what its generator knows of it, the random numbers, and the
+ * problem.h: a contact problem and the facts that its generator knows, the random numbers, and the
  * judges that use nothing of the library: the residual, the true error, the exact sum, and Farkas'
  * proof.
  */
@@ -76,7 +76,7 @@ void plant_q(problem *p);
 
 /* ---- judges ---------------------------------------------------------------------------------- */
 
-/* Both parts of the certificate as DESIGN.md defines them, in long double. */
+/* Both parts of the certificate as docs/certificate.md defines them, in long double. */
 typedef struct measure {
   double u, floor_u;     /* positions, over |q| */
   double r, floor_r;     /* forces, over |r| */

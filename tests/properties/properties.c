@@ -3,10 +3,10 @@
  *
  *   properties [--seed N] [--step K] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
  *
- * Problem i has the seed N + i K, and of the classes the one that the seed falls on, by shares that
- * are even in time; "--class each" takes the classes in turn (those whose problems take a
- * second every fourth time), "--class stacks" the bodies of bodies.c on K itself. Exit 0: every
- * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
+ * Problem i has the seed N + i K, and the class that the seed selects, by shares that are even in
+ * time; "--class each" takes the classes in turn (those with problems of a second every fourth
+ * time), "--class stacks" the bodies of bodies.c on K itself. Exit 0: every rule kept; 1: some rule
+ * broken; 2: the command line, or a file that cannot be written.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
 #include <errno.h>

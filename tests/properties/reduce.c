@@ -1,10 +1,10 @@
 /*
- * reduce.c: a problem that breaks a rule, made as small as it gets, and written as text.
+ * reduce.c: shrinks a problem that breaks a rule as far as possible, and writes it as text.
  *
- * Candidates are dropped, pairs of entries of W set to 0, numbers rounded to fewer digits; each
- * change stays if the finding stands. A planted answer is kept by q = u - W r after each change,
- * a W that is positive semidefinite stays so, and a proof y is given up (the finding does not
- * need it).
+ * Contacts are dropped, pairs of entries of W set to 0, numbers rounded to fewer digits; each
+ * change stays if the rule is still broken. A planted answer is kept by q = u - W r after each
+ * change, a W that is positive semidefinite stays so, and a proof y is dropped (it is not needed to
+ * break the rule).
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /*
- * solve.c: one run: the problem in another order, unit or storage, a method, and its answer
- * carried back.
+ * solve.c: one run: the problem in another order, unit or storage, a method, and its answer in the
+ * original ones.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /*
- * stacks.c: the door of the library that solves the stacks of bodies.c.
+ * stacks.c: calls the function of the library that solves the stacks of bodies.c.
  */
 #include "bodies.h"
 #include "delassus/global.h"

@@ -1,6 +1,6 @@
 /*
- * test_judges.c: the judges of tests/properties judged themselves: right answers made by hand pass,
- * and answers that are wrong by little more than they may be do not.
+ * test_judges.c: tests the judges of tests/properties: right answers made by hand pass; answers
+ * that are only a little worse than allowed fail.
  */
 #include <check.h>
 #include <math.h>

@@ -1,14 +1,14 @@
 /*
  * truth.c: rule 8. The true answer of the stored numbers, in long double, and its condition.
  *
- * (T1) r := Newton's method of active.h from the planted answer. r is the truth where it is next to
- *      the planted one: else the rounding of q has moved the answer, and nothing is known.
+ * (T1) r := Newton's method of active.h from the planted answer. r is the truth if it is next to
+ *      the planted answer. If not, the rounding of q has moved the answer, and nothing is known.
  * (T2) dr = G A^-1 H' du. With the residuals of the certificate, |du| <= tol |q| and |D^-1 du| <=
  *      tol |r|: the condition is the smaller one of |G A^-1 H'| |q| / |r| and |G A^-1 H' D|, at
  *      least 1; that of positions is |W G A^-1 H'|. Norms by power iteration.
- * (T3) An answer far from the truth may be near another one: Newton's method from there tells.
- * (T4) An answer whose error is too large is judged once more with the candidates closed, and
- *      stuck, that are on the border of their state as far as the tolerance can tell.
+ * (T3) An answer far from the truth may be near another solution: Newton's method from there shows.
+ * (T4) An answer whose error is too large is judged again with contacts closed, and stuck, that are
+ *      on the border of their state as far as the tolerance can show.
  */
 #include <float.h>
 #include <math.h>

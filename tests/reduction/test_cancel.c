@@ -1,6 +1,6 @@
 /*
- * test_cancel.c: the host looks on while a reduction works, and cancels it at each of its calls:
- * nothing is handed out, an update that is cancelled holds nothing, and the next one has all bits.
+ * test_cancel.c: the host watches a reduction and cancels it at each of its calls: nothing is
+ * returned, a cancelled update holds nothing, and the next one has all bits.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* test_factor.c: the back-ends of a reduction by hand: parts, scaling, conditions, what is foreseen
- * and what is reported. */
+/* test_factor.c: the back-ends of a reduction by hand: parts, scaling, conditions, estimates and
+ * errors. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

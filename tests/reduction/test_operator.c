@@ -1,4 +1,4 @@
-/* test_operator.c: H = L P and W = H^T K^-1 H by hand, with what a scene leaves out. */
+/* test_operator.c: H = L P and W = H^T K^-1 H by hand, without what a scene does not need. */
 #include <check.h>
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* cases.c: what cases.h says. */
+/* cases.c: implements cases.h. */
 #include "cases.h"
 
 #include <check.h>

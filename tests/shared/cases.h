@@ -1,6 +1,6 @@
 /*
- * cases.h: small contact problems that the tests of the solvers share, and what every solver has to
- * do with them.
+ * cases.h: small contact problems that the tests of the solvers share, and the checks that every
+ * solver must pass on them.
  */
 #ifndef CASES_H
 #define CASES_H

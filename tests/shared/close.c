@@ -1,4 +1,4 @@
-/* close.c: what close.h says. */
+/* close.c: implements close.h. */
 #include "close.h"
 
 #include <check.h>

@@ -1,4 +1,4 @@
-/* doors.c: what doors.h says. */
+/* doors.c: implements doors.h. */
 #include "doors.h"
 
 #include <check.h>

@@ -1,7 +1,7 @@
 /*
- * errors.c: what errors.h says; and every error that a test program meets has an index where its
- * words tell of one entry, and no index where they do not. The programs are linked with
- * --wrap=dlsi_fail, so that each report passes through here.
+ * errors.c: implements errors.h. Also checks every error in a test program: it has an index if its
+ * words are about one entry, and no index if not. The programs are linked with --wrap=dlsi_fail, so
+ * that each report passes through here.
  */
 #include "errors.h"
 

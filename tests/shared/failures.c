@@ -1,4 +1,4 @@
-/* failures.c: the reader of data/failures: the problem, and what is said of it. */
+/* failures.c: reads data/failures: the problem, and the statements about it. */
 #define _POSIX_C_SOURCE 200809L
 #include "failures.h"
 

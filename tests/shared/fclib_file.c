@@ -1,4 +1,4 @@
-/* fclib_file.c: what fclib_file.h says. */
+/* fclib_file.c: implements fclib_file.h. */
 #include "fclib_file.h"
 
 #include <check.h>

@@ -1,4 +1,4 @@
-/* front_cases.c: what front_cases.h says. */
+/* front_cases.c: implements front_cases.h. */
 #include "front_cases.h"
 
 #include <check.h>

@@ -1,5 +1,5 @@
 /*
- * front_cases.h: problems for the front door and for auto, and what auto reports.
+ * front_cases.h: problems for dls_solver and for auto, and checks of auto's report.
  */
 #ifndef FRONT_CASES_H
 #define FRONT_CASES_H

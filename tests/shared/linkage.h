@@ -1,7 +1,7 @@
 /*
- * linkage.h: rigid bodies and joints between them, as a model whose K holds their masses and a
- * multiplier for each row of a joint. x are velocities after an impulse, and where nothing moves r
- * and the multipliers are those of statics.
+ * linkage.h: rigid bodies and joints between them, as a model with masses and a multiplier for each
+ * row of a joint in K. x are velocities after an impulse; if nothing moves, r and the multipliers
+ * are those of statics.
  */
 #ifndef LINKAGE_H
 #define LINKAGE_H

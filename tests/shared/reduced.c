@@ -1,4 +1,4 @@
-/* reduced.c: what reduced.h says. */
+/* reduced.c: implements reduced.h. */
 #include "reduced.h"
 
 #include <check.h>

@@ -1,4 +1,4 @@
-/* run.c: what run.h says. */
+/* run.c: implements run.h. */
 #include "run.h"
 
 #include <stdlib.h>

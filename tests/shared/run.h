@@ -1,4 +1,4 @@
-/* run.h: the one way to run a test program. */
+/* run.h: runs a test program. */
 #ifndef RUN_H
 #define RUN_H
 

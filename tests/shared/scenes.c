@@ -1,4 +1,4 @@
-/* scenes.c: free bodies at random, their statics planted. */
+/* scenes.c: free random bodies with known statics. */
 #include "scenes.h"
 
 #include <math.h>

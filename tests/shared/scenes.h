@@ -1,5 +1,5 @@
 /*
- * scenes.h: small free bodies with contacts at random, of which statics says whether they stand.
+ * scenes.h: small free bodies with random contacts; statics decides whether they stand.
  */
 #ifndef SCENES_H
 #define SCENES_H

@@ -1,5 +1,5 @@
 /*
- * trails.h: problems of many kinds, runs of the methods on them, and what a run leaves, for
+ * trails.h: problems of many kinds, runs of the methods on them, and the record of a run, for
  * tuning/test_trails.
  */
 #ifndef TRAILS_H

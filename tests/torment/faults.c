@@ -2,7 +2,7 @@
  * faults.c: runs commands of `delassus`, and the C interface, with the k-th call of one kind
  * failing: malloc, open, fdopen, fsync, rename, close; or with files limited to so many bytes, as
  * on a full disk; or with a full standard output. Each run is a process of its own, in a directory
- * where every file that the command writes is there already, an old one.
+ * that already has an old version of every file that the command writes.
  *
  *   faults [--most=K] [CASE]...      K runs of a kind, evenly spread; 0: each one
  *
@@ -10,7 +10,7 @@
  * without failures prints and writes; if every file is the old one or a whole new one; if no
  * temporary file is left; and if it has freed what a run without failures frees.
  *
- * Calls of our own objects alone pass through here (ld --wrap), not those inside of libraries.
+ * Only calls of our own objects pass through here (ld --wrap), not those inside of libraries.
  */
 #define _GNU_SOURCE
 #include <dirent.h>

@@ -1,7 +1,7 @@
 /*
  * fuzz.c: runs the targets. With libFuzzer (FUZZ_ENGINE defined) the part after the last '-' of the
- * program's name tells the target; without it, this file is the engine: it changes seeds at random,
- * from a given seed, in a process of its own for each target, and tells what that one died of.
+ * program's name is the target. Without it, this file is the engine: it changes seeds at random,
+ * from a given seed, in a separate process for each target, and reports why a process died.
  *
  *   fuzz [--seconds=S] [--seed=N] [--out=DIR] [--sanitized] [TARGET]...   S s of CPU a target
  *   fuzz TARGET FILE...                                         runs these inputs once

@@ -1,7 +1,7 @@
 /*
- * fuzz.h: inputs made of any bytes, for every door of the library and the program. A target takes
- * the bytes, calls what it is named after, and ends the process (FUZZ_CHECK, a signal, a sanitizer)
- * where the library breaks a promise. An error status is no failure.
+ * fuzz.h: inputs made of any bytes, for every interface of the library and the program. A target
+ * takes the bytes, calls what it is named after, and ends the process (FUZZ_CHECK, a signal, a
+ * sanitizer) if the library breaks a promise. An error status is no failure.
  */
 #ifndef FUZZ_H
 #define FUZZ_H

@@ -1,5 +1,5 @@
-/* fuzz_doors.c: the doors that dls_solver_solve does not lead to: conversions of W, subsets, LCPs
- * of contact problems, the methods' own functions, batches, files written and read back, tools. */
+/* fuzz_doors.c: functions that dls_solver_solve does not reach: conversions of W, subsets, LCPs of
+ * contact problems, the methods' own functions, batches, files written and read back, tools. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* fuzz_files.c: files of any bytes through every reader, and FCLIB files that HDF5 has made of odd
- * types, sizes and layouts. */
+/* fuzz_files.c: files of any bytes through every reader, and FCLIB files that HDF5 has made with
+ * odd types, sizes and layouts. */
 #define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>

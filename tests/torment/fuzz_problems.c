@@ -1,5 +1,5 @@
 /* fuzz_problems.c: LCPs, contact problems by every method, reductions and motions made of any
- * bytes, their settings, too. What is said to be solved is certified again. */
+ * bytes, their settings, too. Answers reported as solved are certified again. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

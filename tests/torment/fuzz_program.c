@@ -1,6 +1,6 @@
 /*
  * fuzz_program.c: command lines and the files that they name. The first line of the bytes is the
- * command line; each line "---- NAME" begins a file.
+ * command line; each line "---- NAME" starts a file.
  *
  * Words lose their slashes, so that all files stay in a fresh directory. solve and info run; the
  * other commands only read their options, because a mesh of any size may take any time.

@@ -1,5 +1,5 @@
 /*
- * test_beams.c: accelerated sweeps on 640 cantilevers of 40 contacts, beside how many they solved.
+ * test_beams.c: accelerated sweeps on 640 cantilevers of 40 contacts, against recorded counts.
  *
  *   build/tests/tuning/test_beams print
  *
@@ -7,7 +7,7 @@
  * 10000 sweeps, and the geometric mean of the sweeps; in the last column those of auto.
  *
  * A beam: nx x ny squares, clamped at its left end, above the ground; each node of the lower side
- * but the clamped one is a contact.
+ * except the clamped one is a contact.
  */
 #include <check.h>
 #include <math.h>

@@ -1,25 +1,25 @@
 /*
- * test_trails.c: how the methods go on problems of many kinds, beside how they went: trails.txt has
- * a line for each problem. A change of a constant, a sign or an order in a method shows there,
- * where a test of its answer alone would pass. Another trail is no defect; a worse one is:
+ * test_trails.c: compares runs of the methods on problems of many kinds with recorded runs:
+ * trails.txt has a line for each problem. It shows a change of a constant, a sign or an order in a
+ * method, while a test of the answer alone would pass. Another trail is no defect; a worse one is:
  *
  *   worse    a run ends with a worse status, or with the same one for more than 5/4 of the cost of
  *            the file and 20 sweeps
  *   better   none is worse, and one is better by as much
  *   other    neither, but statuses, steps, iterations or stages are not those of the file
  *
- * It counts them, with all costs before and after, and fails on worse. The cost of a run: that of
- * its iterations in sweeps by the one model of auto (src/auto/price.c), as if all candidates stuck;
- * other prices need the file again.
+ * It counts them, with all costs before and after, and fails on worse. The cost of a run: its
+ * iterations in sweeps by auto's model of costs (src/auto/price.c), as if all contacts stuck; other
+ * costs need a new file.
  *
  *   build/tests/tuning/test_trails print
  *
- * writes the file. It solves each problem again with W and q disturbed by rounding: what does not
- * survive that would differ between processors, too. The line of a problem:
+ * writes the file. It solves each problem again with W and q disturbed by rounding: counts that
+ * this changes would differ between processors, too. The line of a problem:
  *
  *   NAME HASH SWEEPS/FACTORISATIONS/STEPS FACTS RUN ..
  *   HASH   of all counts of the runs without ~
- *   FACTS  HASH[/MASK]: of what is known without solving; mask: hexadecimal, a bit for each figure
+ *   FACTS  HASH[/MASK]: of facts known without solving; mask: hexadecimal, a bit for each figure
  *   RUN    STATUSES:COST[<LARGEST][~], or . for none; statuses: a letter for each solve, - where
  *          rounding decides; largest cost with rounding; ~: rounding changes counts
  */

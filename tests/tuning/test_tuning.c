@@ -1,6 +1,6 @@
 /*
- * test_tuning.c: pins what tuning may change: how many sweeps, steps, factorisations and pivots are
- * taken, which stages auto takes and how much it allocates for them, the bits of accelerated
+ * test_tuning.c: records what tuning may change: numbers of sweeps, steps, factorisations and
+ * pivots, the stages of auto and the memory that it allocates for them, the bits of accelerated
  * sweeps. A change of tuning that breaks a test here needs a new figure; one that breaks a test
  * elsewhere is a defect.
  */
