@@ -60,7 +60,7 @@ static void set_frame(int c, const double *normal) {
   vector_product(f[0], f[1], f[2]);
 }
 
-static void add_contact(int a, int b, const double *normal, double gap) {
+static void close_in(int a, int b, const double *normal, double gap) {
   const int c = now.count++;
   now.body[2 * c] = a;
   now.body[2 * c + 1] = b;
@@ -91,13 +91,13 @@ static void look_for_contacts(void) {
   last = now;
   now.count = 0;
   for (int a = 0; a < spheres; a++) {
-    if (x[a][2] - radius < margin) add_contact(a, -1, up, x[a][2] - radius);
+    if (x[a][2] - radius < margin) close_in(a, -1, up, x[a][2] - radius);
     for (int b = 0; b < a; b++) {
       double normal[3] = {x[a][0] - x[b][0], x[a][1] - x[b][1], x[a][2] - x[b][2]};
       const double length = sqrt(scalar_product(normal, normal));
       for (int i = 0; i < 3; i++)
         normal[i] /= length;
-      if (length - 2 * radius < margin) add_contact(a, b, normal, length - 2 * radius);
+      if (length - 2 * radius < margin) close_in(a, b, normal, length - 2 * radius);
     }
   }
 }

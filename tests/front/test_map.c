@@ -236,16 +236,20 @@ START_TEST(other_orders_cost_the_same) {
 END_TEST
 
 /* Contacts come and go, in an order of their own each time: every answer is certified, and all of
- * it gives the same bits again. */
+ * it gives the same bits again, on two threads those of three. */
 START_TEST(contacts_come_and_go) {
   shuffled a;
   shuffled_create(&a, "balls-flow", 1200, 4);
   const int all = a.all.contact.nc;
-  double *r[2] = {calloc(3 * (size_t)all, sizeof *r[0]), calloc(3 * (size_t)all, sizeof *r[0])};
+  double *r[4];
+  for (int k = 0; k < 4; k++)
+    ck_assert_ptr_nonnull(r[k] = calloc(3 * (size_t)all, sizeof *r[k]));
   int *from = calloc(2 * (size_t)all, sizeof *from), *at = from + all;
-  ck_assert(r[0] && r[1] && from);
-  for (int again = 0; again < 2; again++) {
+  ck_assert_ptr_nonnull(from);
+  for (int again = 0; again < 4; again++) {
     dls_solver *solver = warm_solver(DLS_AUTO, 3, all, 1e-4, a.all.contact.Wb.p[all]);
+    const dls_limits limits = {.tol = 1e-4, .warm_start = 1, .threads = again > 1 ? again : 1};
+    ck_assert_int_eq(dls_solver_set_limits(solver, &limits, NULL), DLS_OK);
     int kept = 0;
     for (int turn = 0; turn < 6; turn++) {
       for (int c = 0; c < all; c++)
@@ -270,8 +274,9 @@ START_TEST(contacts_come_and_go) {
     dls_solver_destroy(solver);
   }
   ck_assert_mem_eq(r[0], r[1], 3 * (size_t)a.p.nc * sizeof *r[0]);
-  free(r[0]);
-  free(r[1]);
+  ck_assert_mem_eq(r[2], r[3], 3 * (size_t)a.p.nc * sizeof *r[0]);
+  for (int k = 0; k < 4; k++)
+    free(r[k]);
   free(from);
   shuffled_free(&a);
 }
