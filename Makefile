@@ -175,6 +175,7 @@ help:
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
 	@echo 'make bench-least     cost of the least reactions; FCLIB=DIR'
 	@echo 'make bench-derive    cost of derivatives over that of the answer'
+	@echo 'make bench-papers    the open questions of both papers, a picture each'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
@@ -516,6 +517,7 @@ $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solver
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
@@ -569,6 +571,12 @@ bench-derive: $(BUILD)/bench/derive
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/derive --out $(RESULTS)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
+.PHONY: bench-papers
+bench-papers: $(BUILD)/bench/papers demo
+	cp $(BUILD)/demo/reactions.csv $(RESULTS)/papers_reactions.csv
+	cp $(BUILD)/demo/reactions.png $(RESULTS)/papers_reactions.png
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/papers --out $(RESULTS) $(BENCH)
+	gnuplot -e "dir='$(RESULTS)/'" bench/papers.gp
 
 bench-report: $(BUILD)/bench/report
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/report --out $(RESULTS) $(BENCH)
