@@ -140,15 +140,19 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
     sum->met += b[k].met && wrong <= accuracies[k];
     sum->missed += b[k].met && wrong > accuracies[k];
     sum->cheap += b[k].met && take->got.seconds <= 2 * least;
-    bench_print(to, "| %s | %g | %s%s | %.2g | %s | %.2g | %s, %.2g s | %.2g | %.2g |\n", name,
-                accuracies[k],
+    bench_print(to, "| %s | %g | %s%s | %.2g | %s | %.2g |", name, accuracies[k],
                 b[k].met ? "" : "not decided: ", setting_words(&s, &take->at, words, sizeof words),
                 wrong,
                 mesh == 4   ? "4"
                 : mesh == 2 ? "2"
                             : "-",
-                take->got.seconds, setting_words(&s, &cheap, other, sizeof other), least,
-                take->got.seconds / least, b[k].error);
+                take->got.seconds);
+    if (isfinite(least))
+      bench_print(to, " %s, %.2g s | %.2g | %.2g |\n",
+                  setting_words(&s, &cheap, other, sizeof other), least, take->got.seconds / least,
+                  b[k].error);
+    else
+      bench_print(to, " none up to twice this CPU | | %.2g |\n", b[k].error);
     (void)fflush(to);
   }
 }
