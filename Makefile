@@ -130,6 +130,7 @@ help:
 	@echo 'make refinement  its densities of reaction under refinement of the mesh'
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
+	@echo 'make charts-longer   then: how many cells of them ten times the limits change'
 	@echo 'make check       build and run all tests'
 	@echo 'make install-python   the package delassus for PYTHON=python3'
 	@echo 'make install     PREFIX=/usr/local LIBDIR=PREFIX/lib DESTDIR='
@@ -170,9 +171,11 @@ help:
 	@echo 'make bench-lanes     a sweep over groups of eight candidates beside one by one'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
+	@echo 'make bench-dynamics  columns of spheres that collapse, each step warm beside cold; BENCH=--large'
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
 	@echo 'make bench-least     cost of the least reactions; FCLIB=DIR'
 	@echo 'make bench-derive    cost of derivatives over that of the answer'
+	@echo 'make bench-papers    the open questions of both papers, a picture each'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
@@ -497,7 +500,7 @@ $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/inclu
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(FILES) $(A)
-$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
+$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c messages.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(FILES) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/reduction_boxes.c tests/shared/rigid.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
@@ -506,14 +509,17 @@ $(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c folder.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c folder.c picture.c quote.c messages.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
+$(BUILD)/bench/dynamics: $(call bench_obj,dynamics) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -549,7 +555,10 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret
+bench-dynamics: $(BUILD)/bench/dynamics
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/dynamics --out $(RESULTS) $(BENCH)
+.PHONY: bench-dynamics
+.PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret bench-report
 FCLIB ?= data/fclib
 bench-prove: $(BUILD)/bench/prove $(PROGRAM)
 	@mkdir -p $(BUILD)/jean
@@ -562,6 +571,15 @@ bench-derive: $(BUILD)/bench/derive
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/derive --out $(RESULTS)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
+.PHONY: bench-papers
+bench-papers: $(BUILD)/bench/papers demo
+	cp $(BUILD)/demo/reactions.csv $(RESULTS)/papers_reactions.csv
+	cp $(BUILD)/demo/reactions.png $(RESULTS)/papers_reactions.png
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/papers --out $(RESULTS) $(BENCH)
+	gnuplot -e "dir='$(RESULTS)/'" bench/papers.gp
+
+bench-report: $(BUILD)/bench/report
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/report --out $(RESULTS) $(BENCH)
 
 # ---- demo, install ------------------------------------------------------------------------------
 
@@ -584,6 +602,11 @@ tables: $(PROGRAM)
 charts: $(PROGRAM) $(BUILD)/bench/problems
 	@docs/charts.sh $(BUILD)
 
+# after charts: the same with ten times the limits of CPU; counts the cells that this changes
+.PHONY: charts-longer
+charts-longer: $(PROGRAM) $(BUILD)/bench/problems
+	@LONGER=10 docs/charts.sh $(BUILD)
+
 .PHONY: deps
 deps:
 	@$(DEPS)
@@ -591,7 +614,7 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
-MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile)
+MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile report)
 # problems that the guide solves
 DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 # the pages of the guide; the others are about the source

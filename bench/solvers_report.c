@@ -282,6 +282,21 @@ static const choice curves[] = {{"auto", 0, "auto"},
                                 {"Siconos Lemke", 1, "siconos-lemke"}};
 enum { curve_count = sizeof curves / sizeof curves[0] };
 
+/* Returns the time of the fastest of the chosen records that solves a scene to a target, or what
+ * stands for it. */
+static double time_of(const report *p, size_t index, double target, const choice *w) {
+  const size_t end = index + 1 < p->scene_count ? p->scenes[index + 1].first : p->record_count;
+  const record *a = fastest(p, index, target, w);
+  double seconds = PROFILE_TOOK_NO_PART;
+  for (size_t k = p->scenes[index].first; k < end && !a; k++) {
+    const record *other = &p->records[k];
+    if (other->target != target || !is_chosen(w, other)) continue;
+    if (other->status == OVER_LIMIT) return PROFILE_NOT_DECIDED;
+    seconds = PROFILE_NOT_ANSWERED;
+  }
+  return a ? a->cpu : seconds;
+}
+
 /* Draws the profiles of all scenes of dimension d. */
 static int draw_dimension(const report *p, int d) {
   static const char *const names[TARGETS] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
@@ -296,8 +311,7 @@ static int draw_dimension(const report *p, int d) {
     for (int k = 0, at = 0; k < TARGETS && seconds && scenes; k++, at = 0)
       for (size_t s = 0; s < p->scene_count; s++) {
         if (p->scenes[s].d != d) continue;
-        const record *a = fastest(p, s, targets[k], &curves[i]);
-        seconds[(k * curve_count + i) * count + at++] = a ? a->cpu : INFINITY;
+        seconds[(k * curve_count + i) * count + at++] = time_of(p, s, targets[k], &curves[i]);
       }
   }
   char name[40], title[80];
@@ -306,6 +320,9 @@ static int draw_dimension(const report *p, int d) {
   const profile_picture picture = {.directory = p->directory,
                                    .name = name,
                                    .title = title,
+                                   .notes = "measured CPU of this machine; rings: the limit of CPU "
+                                            "came first",
+                                   .absent = d == 2 ? "3D only" : "2D only",
                                    .solvers = curve_count,
                                    .problems = count,
                                    .targets = TARGETS,

@@ -70,7 +70,7 @@ delassus.1)
   for command in $commands; do
     examples "$command" 1
   done
-  printf '%s\n' '.SH ENVIRONMENT' '.TP' '.B TMPDIR' 'where chart, map and profile make a folder without \-\-out; /tmp if it is not set.' \
+  printf '%s\n' '.SH ENVIRONMENT' '.TP' '.B TMPDIR' 'where chart, map, profile and report make a folder without \-\-out; /tmp if it is not set.' \
     '.TP' '.B NO_COLOR' 'If it is set and not empty, the last line is not coloured on a terminal.' \
     '.TP' '.B OPENBLAS_NUM_THREADS' 'threads of the BLAS, which large problems use.'
   "$program" --help | ends "$(printf '.BR delassus\\-%s (1),\n' $commands; echo '.BR delassus (3)')" ;;

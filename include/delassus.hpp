@@ -239,7 +239,7 @@ inline answer solve(const dls_contact &problem, settings s = settings(),
 /* A workspace for problems of dimension d with at most nc candidates, for many solves. */
 class solver {
 public:
-  solver(int d, int nc, const settings &s = settings()) {
+  solver(int d, int nc, const settings &s = settings()) : d(d) {
     dls_solver *out = nullptr;
     call([&](dls_error *e) { return dls_solver_create(&out, d, nc, &s, e); });
     work.reset(out);
@@ -255,6 +255,15 @@ public:
   void set_limits(const dls_limits &limits) {
     call([&](dls_error *e) { return dls_solver_set_limits(work.get(), &limits, e); });
   }
+  /* Returns the start of the next solve, whose contact c is from[c] of the last one (-1: new). */
+  std::vector<double> map(const std::vector<int> &from) {
+    std::vector<double> start(detail::size(d, static_cast<int>(from.size())));
+    call([&](dls_error *e) {
+      return dls_solver_map(work.get(), static_cast<int>(from.size()), from.data(), start.data(),
+                            e);
+    });
+    return start;
+  }
   const double *direction() const {
     return dls_solver_direction(work.get());
   }
@@ -267,6 +276,7 @@ public:
 
 private:
   detail::held<dls_solver, dls_solver_destroy> work;
+  int d;
 };
 
 /* ---- reduction ------------------------------------------------------------------------------- */

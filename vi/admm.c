@@ -470,4 +470,5 @@ const dlsi_method dlsi_admm_method = {DLS_ADMM,
                                       admm_set_limits,
                                       NULL,
                                       NULL,
+                                      NULL,
                                       0};

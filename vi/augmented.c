@@ -350,6 +350,7 @@ const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
                                            augmented_set_limits,
                                            augmented_direction,
                                            NULL,
+                                           NULL,
                                            0};
 
 const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
@@ -360,5 +361,6 @@ const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          augmented_destroy,
                                          augmented_set_limits,
                                          augmented_direction,
+                                         NULL,
                                          NULL,
                                          0};

@@ -76,6 +76,7 @@ enum { window = 5 }; /* (NE6) */
 
 static const double least_eps = 1e-8;   /* first eps for a singular matrix */
 static const double most_eps = 1e-2;    /* bound of eps without progress */
+static const double not_known = -1;     /* friction of a contact that is new to the factors */
 static const double stale = 0.25;       /* (NE5) */
 static const double slight = 0.1;       /* (NE5): |w (r0 - r)| over |F| */
 static const double small_part = 0.1;   /* of a solution: the largest correction for eps */
@@ -434,6 +435,13 @@ static int newton_keeps(const dls_newton *work, const dls_contact *problem) {
          !work->it.E && work->A.room->owner == work;
 }
 
+/* Sets the friction of the contacts that a map has added to the factors, where they are free. */
+static void newton_meet(dls_newton *work, const dls_contact *problem) {
+  for (int c = 0; work->border.most && c < problem->nc; c++)
+    if (work->border.base[c].mu == not_known)
+      work->border.base[c].mu = work->A.branch[c].mu = problem->mu[c];
+}
+
 /* Steps from r, measured last, until the certificate holds. Returns DLS_OK, or the reason to stop
  * before. */
 static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, dls_info *outcome,
@@ -443,6 +451,7 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = work->it.certificate.residual, last[memory] = {0};
   if (!newton_keeps(work, problem)) work->A.factors = DLSI_NO_FACTORS;
+  if (work->A.factors) newton_meet(work, problem);
   work->border.loose = work->keeps;
   work->error = 0;
   work->kept_nc = work->it.E ? 0 : problem->nc;
@@ -544,6 +553,38 @@ void dlsi_newton_keep(void *newton, const double *u, int no_more) {
   work->known = u;
 }
 
+/* A.branch (nc) := the states of the factors under their new numbers; new contacts are free.
+ * Returns 0 if contacts do not stay in their order, or one with unknowns has vanished. */
+static int newton_rename(dls_newton *work, int nc, const int *from) {
+  const dlsi_branch *base = work->border.base, opened = {.state = DLS_FREE, .mu = not_known};
+  int last = -1, unknowns = 0;
+  for (int c = 0; c < nc; c++) {
+    if (from[c] >= 0 && (from[c] <= last || from[c] >= work->kept_nc)) return 0;
+    if (from[c] >= 0) last = from[c];
+    work->A.branch[c] = from[c] < 0 ? opened : base[from[c]];
+    unknowns += work->A.branch[c].count;
+  }
+  return unknowns == work->border.n;
+}
+
+void dlsi_newton_map(void *newton, int nc, const int *from) {
+  dls_newton *work = newton;
+  const dlsi_room *room = work->A.room;
+  if (!from || work->A.factors == DLSI_NO_FACTORS) return;
+  int moved = nc != work->kept_nc;
+  for (int c = 0; c < nc; c++)
+    moved |= from[c] != c;
+  if (!moved) return;
+  const int serve = work->A.factors == DLSI_DENSE_FACTORS && room->owner == work &&
+                    work->border.most > 0 && newton_rename(work, nc, from);
+  if (!serve) work->A.factors = DLSI_NO_FACTORS;
+  if (!serve) return;
+  const size_t used = (size_t)work->border.n * (size_t)work->border.n;
+  dlsi_border_begin(&work->border, work->d, nc, work->A.branch, work->border.n, room->J + used,
+                    room->side * room->side - used);
+  work->kept_nc = nc;
+}
+
 void dlsi_newton_anew(dls_newton *work) {
   work->anew = 1;
 }
@@ -591,4 +632,5 @@ const dlsi_method dlsi_newton_method = {
     newton_set_limits,
     NULL,
     NULL,
+    dlsi_newton_map,
     0};

@@ -11,6 +11,7 @@
  *   nlgs_loop.c      (NL5) sweeps until the certificate holds, or until there is a reason to stop
  *   nlgs_ways.c      (NL6), (NL7) acceleration; (NL8), (NL10) momentum; (NL12) the two in turn
  *   nlgs_sets.c      (NL9) extra sweeps where the residual is large
+ *   nlgs_active.c    (NL13) sweeps over the contacts that act
  *   nlgs_work.h      the workspace; functions that these files share
  *
  * This file makes the workspace, prepares it for the storage of W and for the threads, and has the
@@ -56,6 +57,10 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->own_order = dlsi_take(arena, n, sizeof *work->own_order);
     work->scratch = dlsi_take(arena, n, sizeof *work->scratch);
   }
+  if (work->stage != 1) {
+    work->visits = dlsi_take(arena, n, sizeof *work->visits);
+    work->earlier = dlsi_take(arena, 2 * n, sizeof *work->earlier);
+  }
   if (s->acceleration == DLS_ACCELERATION_MOMENTUM) {
     dlsi_momentum_carve(&work->momentum, arena, m);
     work->carved[0] = work->momentum.u;
@@ -63,6 +68,8 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->near = dlsi_take(arena, n, sizeof *work->near);
     work->some = dlsi_take(arena, n, sizeof *work->some);
     work->rows = dlsi_take(arena, n, sizeof *work->rows);
+    work->acts = dlsi_take(arena, n, sizeof *work->acts);
+    work->acting = dlsi_take(arena, n, sizeof *work->acting);
   }
   if (!dlsi_nlgs_has_history(s) && !dlsi_nlgs_may_turn(work)) return;
   work->x = dlsi_take(arena, m, sizeof *work->x);
@@ -103,6 +110,7 @@ void dls_nlgs_destroy(dls_nlgs *workspace) {
   dlsi_formed_free(&workspace->formed);
   dlsi_groups_free(&workspace->groups);
   dlsi_groups_free(&workspace->part);
+  dlsi_groups_free(&workspace->active);
   dlsi_slabs_free(&workspace->slabs);
   free(workspace->bodies.moved);
   free(workspace->bodies.some);
@@ -146,7 +154,7 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   work->history.u = work->carved[2];
   work->history.DU = work->carved[3];
   work->history.of_u = (size_t)work->d * (size_t)(*problem)->nc;
-  work->grouped = 0;
+  work->grouped = work->whole = 0;
   dls_status status = dlsi_nlgs_has_history(&work->settings)
                           ? dlsi_form_blocks(&work->formed, problem, error)
                           : dlsi_lend(&work->formed, problem, error);
@@ -156,12 +164,16 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
     return status;
   const int several = work->settings.limits.threads > 1, had = work->slabs.set.slabs > 0;
   if (several != had) work->groups.kept_size = 0;
-  if (!several)
-    work->slabs.set = (dlsi_set){.count = (*problem)->nc}; /* as numbered: the fewest sweeps */
+  if (!several) /* as numbered at first: the fewest sweeps */
+    work->slabs.set = (dlsi_set){.list = work->visited == (*problem)->nc ? work->visits : NULL,
+                                 .count = (*problem)->nc};
   else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
-  if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
-  work->grouped = !status && work->groups.count > 0;
+  work->grouped = !status && work->knows && work->motions && !several;
+  if (!work->grouped) { /* (NL13) makes them where it ends */
+    if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
+    work->grouped = work->whole = !status && work->groups.count > 0;
+  }
   if (work->grouped && !work->motions) work->history.of_u = 0;
   return status;
 }
@@ -197,6 +209,8 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
                                   : problem->W.a && problem->d * problem->nc >= large_panel;
   dlsi_team_run(large ? work->settings.limits.threads : 1, nlgs_run_in_team, &run);
   status = run.status;
+  if (status == DLS_E_MEMORY) status = dlsi_no_memory(error);
+  if (status < 0) return status;
   if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);
   return status;
 }
@@ -235,14 +249,45 @@ static void nlgs_set_limits(void *work, const dls_limits *limits) {
   dlsi_set_limits(&((dls_nlgs *)work)->settings.limits, limits);
 }
 
+/* Appends contact c to the visits, and the new ones that are numbered after it. */
+static int nlgs_append(int *visits, int count, int c, int nc, const int *from) {
+  do
+    visits[count++] = c++;
+  while (c < nc && from[c] < 0);
+  return count;
+}
+
+const double *dlsi_nlgs_gap(const void *work) {
+  return ((const dls_nlgs *)work)->it.u;
+}
+
+void dlsi_nlgs_map(void *workspace, int nc, const int *from) {
+  dls_nlgs *work = workspace;
+  work->knows = from && work->acts;
+  if (!work->visits || (!from && !work->visited)) return;
+  int *old = work->earlier, *now = old + work->nc, count = 0, moved = 0;
+  const int had = work->visited;
+  memcpy(old, work->visits, (size_t)had * sizeof *old);
+  work->visited = 0;
+  work->groups.kept_size = had ? 0 : work->groups.kept_size;
+  if (!from) return;
+  for (int k = 0; k < work->nc; k++) /* now[k]: what contact k of the last solve is called now */
+    now[k] = -1;
+  for (int c = 0; c < nc; c++)
+    if (from[c] >= 0) now[from[c]] = c;
+  if (nc > 0 && from[0] < 0) count = nlgs_append(work->visits, count, 0, nc, from);
+  for (int k = 0; k < (had ? had : work->nc); k++) {
+    const int c = now[had ? old[k] : k];
+    if (c >= 0) count = nlgs_append(work->visits, count, c, nc, from);
+  }
+  for (int k = 0; k < nc; k++)
+    moved |= work->visits[k] != k;
+  if (count == nc && moved) work->visited = nc;
+  if (work->visited) work->groups.kept_size = 0;
+}
+
 const dlsi_method dlsi_nlgs_method = {
-    DLS_NLGS,
-    "nlgs",
-    "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
-    nlgs_create_by,
-    nlgs_solve,
-    nlgs_destroy,
-    nlgs_set_limits,
-    NULL,
-    NULL,
-    1};
+    DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
+    nlgs_create_by,  nlgs_solve, nlgs_destroy,
+    nlgs_set_limits, NULL,       NULL,
+    dlsi_nlgs_map,   1};

@@ -28,10 +28,12 @@ typedef struct nlgs_squares {
 /* Returns the sums from the current u, d = 1 or 2, inlined for a constant d. */
 static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *work,
                                                   const dls_contact *problem, const double *r,
-                                                  double scale, int begin, int end) {
+                                                  const int *list, double scale, int begin,
+                                                  int end) {
   nlgs_squares sum = {0};
   const double unit = work->it.w[0];
-  for (int c = begin; c < end; c++) {
+  for (int k = begin; k < end; k++) {
+    const int c = list ? list[k] : k;
     const size_t o = (size_t)d * (size_t)c;
     const double *rc = r + o, *uc = work->it.u + o, *qc = problem->q + o;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0, r_c = 0 */
@@ -51,19 +53,22 @@ static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *w
 }
 
 static nlgs_squares nlgs_squares_1d(const dls_nlgs *work, const dls_contact *problem,
-                                    const double *r, double scale, int begin, int end) {
-  return nlgs_squares_flat(1, work, problem, r, scale, begin, end);
+                                    const double *r, const int *list, double scale, int begin,
+                                    int end) {
+  return nlgs_squares_flat(1, work, problem, r, list, scale, begin, end);
 }
 
 static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem,
-                                    const double *r, double scale, int begin, int end) {
-  return nlgs_squares_flat(2, work, problem, r, scale, begin, end);
+                                    const double *r, const int *list, double scale, int begin,
+                                    int end) {
+  return nlgs_squares_flat(2, work, problem, r, list, scale, begin, end);
 }
 
 /* Returns those sums for d = 3, several contacts at once: their roots and divisions take as long as
  * those of one. */
 DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
-                                                const double *r, double scale, int begin, int end) {
+                                                const double *r, const int *list, double scale,
+                                                int begin, int end) {
   enum { lanes = 16 };
   nlgs_squares sum = {0};
   const double unit = work->it.w[0];
@@ -75,7 +80,7 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
     for (int k = 0; k < lanes; k++)
       wn[k] = wt[k] = 1;
     for (int k = 0; k < count; k++) {
-      const size_t c = (size_t)(first + k), o = 3 * c;
+      const size_t c = (size_t)(list ? list[first + k] : first + k), o = 3 * c;
       const double *rc = r + o, *uc = work->it.u + o, *qc = problem->q + o;
       moves |= !(rc[0] == 0 && uc[0] >= 0);
       mu[k] = problem->mu[c];
@@ -105,7 +110,7 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
     }
     for (int k = 0; k < count && bonded; k++) { /* not for infinite friction above */
       if (!dlsi_is_bonded(mu[k])) continue;
-      const size_t o = 3 * (size_t)(first + k);
+      const size_t o = 3 * (size_t)(list ? list[first + k] : first + k);
       F2[k] = G2[k] = r2[k] = q2[k] = 0;
       const int touches = v[0][k] > u[0][k];
       for (int i = 0; i < 3; i++) {
@@ -133,6 +138,7 @@ typedef struct nlgs_estimates {
   const dls_contact *problem;
   const double *r;
   double scale;
+  dlsi_set of;
   int pieces;
   nlgs_squares sum[dlsi_most_pieces];
 } nlgs_estimates;
@@ -140,20 +146,23 @@ typedef struct nlgs_estimates {
 static void nlgs_sum_piece(void *data, int k) {
   nlgs_estimates *s = data;
   const dls_contact *problem = s->problem;
-  const int d = problem->d, begin = dlsi_piece(problem->nc, s->pieces, k);
-  const int end = dlsi_piece(problem->nc, s->pieces, k + 1);
-  if (s->work->motions && !s->work->grouped) dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
-  s->sum[k] = (d == 1   ? nlgs_squares_1d
-               : d == 2 ? nlgs_squares_2d
-                        : nlgs_squares_3d)(s->work, problem, s->r, s->scale, begin, end);
+  const int d = problem->d, begin = dlsi_piece(s->of.count, s->pieces, k);
+  const int end = dlsi_piece(s->of.count, s->pieces, k + 1);
+  if (s->work->motions && !s->of.groups) dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
+  s->sum[k] =
+      (d == 1   ? nlgs_squares_1d
+       : d == 2 ? nlgs_squares_2d
+                : nlgs_squares_3d)(s->work, problem, s->r, s->of.list, s->scale, begin, end);
 }
 
 /* Estimates the residuals of the certificate from the current u, of bodies from their motions. */
 void dlsi_nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
-                        double scale, dls_certificate *now) {
-  nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(problem->nc), {{0, 0, 0, 0}}};
+                        double scale, int everywhere, dls_certificate *now) {
+  dlsi_set of = {.count = problem->nc, .groups = work->whole ? &work->groups : NULL};
+  if (work->narrow && !everywhere) of = dlsi_nlgs_all(work, problem);
+  nlgs_estimates s = {work, problem, r, scale, of, dlsi_pieces(of.count), {{0, 0, 0, 0}}};
   nlgs_squares sum = {0};
-  if (work->grouped) dlsi_groups_look(&work->groups, work->team, r, work->v, work->it.u);
+  if (of.groups) dlsi_groups_look(of.groups, work->team, r, work->v, work->it.u);
   dlsi_parallel(work->team, s.pieces, nlgs_sum_piece, &s);
   for (int k = 0; k < s.pieces; k++) {
     sum.F += s.sum[k].F;

@@ -104,10 +104,8 @@ static void nlgs_add_layer(const dls_nlgs *work, const dls_contact *problem, int
       if (!work->near[W->i[k]]) work->near[W->i[k]] = layer + 1;
 }
 
-/* list := the contacts with near up to `layer`, in the order of the visits; start: of the slabs,
- * if there are any, in the list. */
-static dlsi_set nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list,
-                          int *start) {
+dlsi_set dlsi_nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list,
+                        int *start) {
   const dlsi_set all = work->grouped ? work->slabs.set : dlsi_nlgs_all(work, problem);
   int count = 0, slab = 0;
   for (int k = 0; k < problem->nc; k++) {
@@ -132,7 +130,10 @@ static dlsi_set nlgs_list_bodies(const dls_nlgs *work, const dls_contact *proble
 static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d, n = work->motions;
   double *F2 = work->it.F, *const u = dlsi_nlgs_kept(work);
+  const int narrow = work->narrow;
+  work->narrow = 0; /* a look over all of them */
   const double sum = nlgs_measure(work, problem, dlsi_nlgs_all(work, problem), r, F2);
+  work->narrow = narrow;
   const double bound = nlgs_threshold(problem, F2, sum);
   for (int c = 0; c < problem->nc; c++)
     work->near[c] = F2[c] > bound;
@@ -140,7 +141,7 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
     work->bodies.some[problem->bodies.count + b] = 0;
   for (int layer = 1; layer <= local_layers + 1; layer++)
     nlgs_add_layer(work, problem, layer);
-  dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some, work->slabs.some);
+  dlsi_set set = dlsi_nlgs_list(work, problem, local_layers + 1, work->some, work->slabs.some);
   if (set.count == 0 || set.count > local_size * problem->nc) return 0;
   if (work->grouped) {
     if (dlsi_groups_set(&work->part, problem, set, &work->groups, NULL) || !work->part.count)
@@ -151,7 +152,7 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
   if (n)
     rows = nlgs_list_bodies(work, problem);
   else if (!work->grouped)
-    rows = nlgs_list(work, problem, local_layers + 2, work->rows, work->slabs.rows);
+    rows = dlsi_nlgs_list(work, problem, local_layers + 2, work->rows, work->slabs.rows);
   const double end = local_end * local_end * nlgs_measure(work, problem, set, r, NULL);
   dlsi_momentum *mo = &work->momentum;
   dlsi_momentum_start(mo, d, n ? n : d, set, rows, r, u);

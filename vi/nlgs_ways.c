@@ -185,6 +185,8 @@ void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const doub
   work->now = dlsi_nlgs_has_history(&work->settings) ? DLSI_WAY_ANDERSON : DLSI_WAY_FREE;
   if (pushed) {
     work->largest = 1;
+    work->narrow = work->acting_count = 0;
+    memset(work->acts, 0, (size_t)problem->nc * sizeof *work->acts);
     work->halved = work->looked = INFINITY;
     work->since = work->sweeps = 0;
     work->pause = work->wait = 0;

@@ -34,6 +34,12 @@ struct dls_nlgs {
   int motions;             /* of a body; 0 if u is kept up to date */
   double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
   dlsi_nlgs_bodies bodies;
+  int *visits, *earlier; /* nc: the order of the visits that dls_solver_map keeps; scratch */
+  int knows, narrow, acting_count; /* (NL13): may be used; is used; contacts in acting */
+  int *acts, *acting;              /* nc: 1: it acts; those that do, in the order of the visits */
+  dlsi_groups active;              /* of them */
+  int visited;                     /* contacts of that order; 0: as they are numbered */
+  int whole;                /* groups has all of this problem; (NL13) goes without at first */
   int grouped;              /* 1: sweeps go over groups; u is not kept up to date then */
   dlsi_groups groups, part; /* all contacts; a set of (NL9) */
   dlsi_slabs slabs;         /* the order of the groups */
@@ -68,8 +74,10 @@ static inline int dlsi_nlgs_may_turn(const dls_nlgs *work) {
 
 /* All contacts; one by one, in the order of the visits. */
 static inline dlsi_set dlsi_nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
+  if (work->narrow)
+    return (dlsi_set){.list = work->acting, .count = work->acting_count, .groups = &work->active};
   return (dlsi_set){
-      .list = work->order, .count = problem->nc, .groups = work->grouped ? &work->groups : NULL};
+      .list = work->order, .count = problem->nc, .groups = work->whole ? &work->groups : NULL};
 }
 
 /* The rows that sweeps over all contacts keep up to date: of u, of v, or, in groups by blocks,
@@ -102,15 +110,26 @@ void dlsi_nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double *
 /* ---- nlgs_estimate.c ------------------------------------------------------------------------- */
 
 /* Estimates the residuals of the certificate of r from the current u, of bodies from their motions:
- * it.u is computed from them. scale = 1 / |q|. */
+ * it.u is computed from them. scale = 1 / |q|. everywhere: 0 to look at those that act alone
+ * (NL13). */
 void dlsi_nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
-                        double scale, dls_certificate *now);
+                        double scale, int everywhere, dls_certificate *now);
 
 /* ---- nlgs_sets.c ----------------------------------------------------------------------------- */
 
 /* Sweeps where the residual is large, (NL9), unless it waits. u belongs to r. Returns 1 if r has
  * changed. */
 int dlsi_nlgs_look_locally(dls_nlgs *work, const dls_contact *problem, double *r);
+
+/* Lists the contacts with near up to `layer`, in the order of the visits; start: of the slabs, if
+ * there are any, in the list. */
+dlsi_set dlsi_nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list,
+                        int *start);
+
+/* ---- nlgs_active.c --------------------------------------------------------------------------- */
+
+/* (NL13) at the start and after a look at all contacts: u of r is in it.u. */
+void dlsi_nlgs_narrow(dls_nlgs *work, const dls_contact *problem, const double *r);
 
 /* ---- nlgs_ways.c ----------------------------------------------------------------------------- */
 

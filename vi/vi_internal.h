@@ -150,6 +150,15 @@ void dlsi_slabs_free(dlsi_slabs *slabs);
  * no_more: 1 to end that run before it factorises. */
 void dlsi_newton_keep(void *work, const double *u, int no_more);
 
+/* Renames the contacts of the factors that the last run has left, dlsi_method.map. They are
+ * forgotten unless contacts stay in their order and only those without an unknown come or go.
+ * dlsi_nlgs_map renames the visits. */
+void dlsi_newton_map(void *work, int nc, const int *from);
+
+/* Returns u of the answer of the last run of nlgs, after DLS_OK. */
+const double *dlsi_nlgs_gap(const void *work);
+void dlsi_nlgs_map(void *work, int nc, const int *from);
+
 /* Makes all runs in this workspace factorise again after a change of states: a W then gives the
  * same bits dense and by blocks. */
 void dlsi_newton_anew(dls_newton *work);

@@ -39,33 +39,33 @@ do for [type in 'png svg'] {
   set arrow from screen 0.0500,0.4370 to screen 0.0700,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  59/59' at screen 0.0750,0.4370 left font ',10' noenhanced
   set arrow from screen 0.0500,0.4210 to screen 0.0700,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label "lemke".'  39/59' at screen 0.0750,0.4210 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.5170 to screen 0.1947,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label "best of Siconos".'  59/59' at screen 0.1997,0.5170 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.5010 to screen 0.1947,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label "Siconos NSGS".'  57/59' at screen 0.1997,0.5010 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.4850 to screen 0.1947,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  57/59' at screen 0.1997,0.4850 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.4690 to screen 0.1947,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  54/59' at screen 0.1997,0.4690 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.4530 to screen 0.1947,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label "Siconos PROX".'  49/59' at screen 0.1997,0.4530 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.4370 to screen 0.1947,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label "Siconos CPG".'  0/59' at screen 0.1997,0.4370 left font ',10' noenhanced
-  set arrow from screen 0.1747,0.4210 to screen 0.1947,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label "Siconos Lemke".'  0/59' at screen 0.1997,0.4210 left font ',10' noenhanced
+  set label "lemke".'  39/39' at screen 0.0750,0.4210 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.5170 to screen 0.2106,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
+  set label "best of Siconos".'  59/59' at screen 0.2156,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.5010 to screen 0.2106,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
+  set label "Siconos NSGS".'  57/59' at screen 0.2156,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.4850 to screen 0.2106,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
+  set label "Siconos NSN".'  57/59' at screen 0.2156,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.4690 to screen 0.2106,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
+  set label "Siconos ADMM".'  54/59' at screen 0.2156,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.4530 to screen 0.2106,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
+  set label "Siconos PROX".'  49/51' at screen 0.2156,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.4370 to screen 0.2106,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
+  set label "Siconos CPG".'  2D only' at screen 0.2156,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.1906,0.4210 to screen 0.2106,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
+  set label "Siconos Lemke".'  2D only' at screen 0.2156,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
-       'solvers_profile_3d.dat' index 3 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
-       'solvers_profile_3d.dat' index 6 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
-       'solvers_profile_3d.dat' index 9 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
-       'solvers_profile_3d.dat' index 12 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
-       'solvers_profile_3d.dat' index 15 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
-       'solvers_profile_3d.dat' index 18 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
-       'solvers_profile_3d.dat' index 21 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
-       'solvers_profile_3d.dat' index 24 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
-       'solvers_profile_3d.dat' index 27 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
-       'solvers_profile_3d.dat' index 30 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
-       'solvers_profile_3d.dat' index 33 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
+       'solvers_profile_3d.dat' index 4 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
+       'solvers_profile_3d.dat' index 8 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
+       'solvers_profile_3d.dat' index 12 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
+       'solvers_profile_3d.dat' index 16 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
+       'solvers_profile_3d.dat' index 20 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
+       'solvers_profile_3d.dat' index 24 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
+       'solvers_profile_3d.dat' index 28 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
+       'solvers_profile_3d.dat' index 32 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
+       'solvers_profile_3d.dat' index 36 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
+       'solvers_profile_3d.dat' index 40 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
+       'solvers_profile_3d.dat' index 44 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
        'solvers_profile_3d.dat' index 0 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
   set lmargin at screen 0.0500
   set rmargin at screen 0.3153
@@ -74,39 +74,35 @@ do for [type in 'png svg'] {
   unset label
   unset arrow
   unset title
-  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset 0,-0.6 font ',12'
+  set title 'each problem, from quick to slow' offset 0,-0.6 font ',12'
   unset logscale x
   set logscale y
   set xrange [0:60]
   set yrange [0.8:2.512e+06]
-  set format y '%g'
+  set format y '10^{%T}'
   set ytics 10
-  set ylabel 'CPU / fastest' offset 1,0
+  set ylabel 'CPU / fastest' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
   set xtics ('1.1e-05' 1, '0.0033' 15, '0.049' 29, '0.59' 43, '4' 57)
-  set label "CubeH8" at first 1,17.47 left font ',10' noenhanced front boxed
-  set label "OneObject-i100000-499" at first 40,8.388 right font ',10' noenhanced front boxed
+  set label 'diamonds: auto; crosses: not solved; rings: not decided; '."measured CPU of this machine; rings: the limit of CPU came first" at screen 0.04,0.012 left font ',12' noenhanced
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
-      'solvers_profile_3d.dat' index 4 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
-      'solvers_profile_3d.dat' index 5 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
-      'solvers_profile_3d.dat' index 7 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
-      'solvers_profile_3d.dat' index 10 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
-      'solvers_profile_3d.dat' index 11 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
-      'solvers_profile_3d.dat' index 13 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
-      'solvers_profile_3d.dat' index 16 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
-      'solvers_profile_3d.dat' index 19 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
-      'solvers_profile_3d.dat' index 20 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#cc79a7', \
-      'solvers_profile_3d.dat' index 22 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 25 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 26 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 28 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
-      'solvers_profile_3d.dat' index 29 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
-      'solvers_profile_3d.dat' index 31 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
-      'solvers_profile_3d.dat' index 32 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
-      'solvers_profile_3d.dat' index 34 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
-      'solvers_profile_3d.dat' index 35 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
-      'solvers_profile_3d.dat' index 38 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 41 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 5 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 6 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 9 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 13 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 15 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 17 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 21 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
+      'solvers_profile_3d.dat' index 25 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 29 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 33 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 35 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 37 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 39 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 41 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 43 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 45 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 46 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 1 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
   set lmargin at screen 0.3833
   set rmargin at screen 0.6487
@@ -139,34 +135,34 @@ do for [type in 'png svg'] {
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  59/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label "lemke".'  39/59' at screen 0.4083,0.4210 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.5170 to screen 0.5280,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label "best of Siconos".'  59/59' at screen 0.5330,0.5170 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.5010 to screen 0.5280,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label "Siconos NSGS".'  54/59' at screen 0.5330,0.5010 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.4850 to screen 0.5280,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  55/59' at screen 0.5330,0.4850 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.4690 to screen 0.5280,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  53/59' at screen 0.5330,0.4690 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.4530 to screen 0.5280,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label "Siconos PROX".'  49/59' at screen 0.5330,0.4530 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.4370 to screen 0.5280,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label "Siconos CPG".'  0/59' at screen 0.5330,0.4370 left font ',10' noenhanced
-  set arrow from screen 0.5080,0.4210 to screen 0.5280,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label "Siconos Lemke".'  0/59' at screen 0.5330,0.4210 left font ',10' noenhanced
+  set label "lemke".'  39/39' at screen 0.4083,0.4210 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.5170 to screen 0.5440,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
+  set label "best of Siconos".'  59/59' at screen 0.5490,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.5010 to screen 0.5440,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
+  set label "Siconos NSGS".'  54/59' at screen 0.5490,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.4850 to screen 0.5440,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
+  set label "Siconos NSN".'  55/59' at screen 0.5490,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.4690 to screen 0.5440,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
+  set label "Siconos ADMM".'  53/59' at screen 0.5490,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.4530 to screen 0.5440,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
+  set label "Siconos PROX".'  49/51' at screen 0.5490,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.4370 to screen 0.5440,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
+  set label "Siconos CPG".'  2D only' at screen 0.5490,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.5240,0.4210 to screen 0.5440,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
+  set label "Siconos Lemke".'  2D only' at screen 0.5490,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
-       'solvers_profile_3d.dat' index 45 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
-       'solvers_profile_3d.dat' index 48 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
-       'solvers_profile_3d.dat' index 51 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
-       'solvers_profile_3d.dat' index 54 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
-       'solvers_profile_3d.dat' index 57 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
-       'solvers_profile_3d.dat' index 60 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
-       'solvers_profile_3d.dat' index 63 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
-       'solvers_profile_3d.dat' index 66 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
-       'solvers_profile_3d.dat' index 69 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
-       'solvers_profile_3d.dat' index 72 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
-       'solvers_profile_3d.dat' index 75 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
-       'solvers_profile_3d.dat' index 42 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
+       'solvers_profile_3d.dat' index 60 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
+       'solvers_profile_3d.dat' index 64 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
+       'solvers_profile_3d.dat' index 68 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
+       'solvers_profile_3d.dat' index 72 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
+       'solvers_profile_3d.dat' index 76 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
+       'solvers_profile_3d.dat' index 80 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
+       'solvers_profile_3d.dat' index 84 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
+       'solvers_profile_3d.dat' index 88 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
+       'solvers_profile_3d.dat' index 92 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
+       'solvers_profile_3d.dat' index 96 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
+       'solvers_profile_3d.dat' index 100 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
+       'solvers_profile_3d.dat' index 56 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
   set lmargin at screen 0.3833
   set rmargin at screen 0.6487
   set bmargin at screen 0.0750
@@ -174,39 +170,35 @@ do for [type in 'png svg'] {
   unset label
   unset arrow
   unset title
-  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset 0,-0.6 font ',12'
+  set title 'each problem, from quick to slow' offset 0,-0.6 font ',12'
   unset logscale x
   set logscale y
   set xrange [0:60]
   set yrange [0.8:2.512e+06]
-  set format y '%g'
+  set format y '10^{%T}'
   set ytics 10
-  set ylabel '' offset 1,0
+  set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
   set xtics ('1.1e-05' 1, '0.0034' 15, '0.057' 29, '1' 43, '6.4' 57)
-  set label "CubeH8" at first 1,17.5 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
-      'solvers_profile_3d.dat' index 46 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
-      'solvers_profile_3d.dat' index 47 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
-      'solvers_profile_3d.dat' index 49 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
-      'solvers_profile_3d.dat' index 52 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
-      'solvers_profile_3d.dat' index 53 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
-      'solvers_profile_3d.dat' index 55 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
-      'solvers_profile_3d.dat' index 58 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
-      'solvers_profile_3d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
-      'solvers_profile_3d.dat' index 62 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#cc79a7', \
-      'solvers_profile_3d.dat' index 64 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 67 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 68 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 70 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
-      'solvers_profile_3d.dat' index 71 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
-      'solvers_profile_3d.dat' index 73 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
-      'solvers_profile_3d.dat' index 74 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
-      'solvers_profile_3d.dat' index 76 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
-      'solvers_profile_3d.dat' index 77 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
-      'solvers_profile_3d.dat' index 80 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 83 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 43 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
+      'solvers_profile_3d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 62 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 65 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 69 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 71 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 73 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 77 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
+      'solvers_profile_3d.dat' index 81 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 85 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 89 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 91 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 93 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 95 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 97 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 99 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 101 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 102 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 57 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
   set lmargin at screen 0.7167
   set rmargin at screen 0.9820
   set bmargin at screen 0.5750
@@ -238,34 +230,34 @@ do for [type in 'png svg'] {
   set arrow from screen 0.7167,0.4370 to screen 0.7367,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  59/59' at screen 0.7417,0.4370 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
-  set label "lemke".'  39/59' at screen 0.7417,0.4210 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.5170 to screen 0.8614,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label "best of Siconos".'  59/59' at screen 0.8664,0.5170 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.5010 to screen 0.8614,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label "Siconos NSGS".'  52/59' at screen 0.8664,0.5010 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.4850 to screen 0.8614,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  42/59' at screen 0.8664,0.4850 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.4690 to screen 0.8614,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  45/59' at screen 0.8664,0.4690 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.4530 to screen 0.8614,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
-  set label "Siconos PROX".'  31/59' at screen 0.8664,0.4530 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.4370 to screen 0.8614,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label "Siconos CPG".'  0/59' at screen 0.8664,0.4370 left font ',10' noenhanced
-  set arrow from screen 0.8414,0.4210 to screen 0.8614,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
-  set label "Siconos Lemke".'  0/59' at screen 0.8664,0.4210 left font ',10' noenhanced
+  set label "lemke".'  39/39' at screen 0.7417,0.4210 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.5170 to screen 0.8773,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
+  set label "best of Siconos".'  59/59' at screen 0.8823,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.5010 to screen 0.8773,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
+  set label "Siconos NSGS".'  52/59' at screen 0.8823,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.4850 to screen 0.8773,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
+  set label "Siconos NSN".'  42/59' at screen 0.8823,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.4690 to screen 0.8773,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
+  set label "Siconos ADMM".'  45/59' at screen 0.8823,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.4530 to screen 0.8773,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
+  set label "Siconos PROX".'  31/51' at screen 0.8823,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.4370 to screen 0.8773,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
+  set label "Siconos CPG".'  2D only' at screen 0.8823,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.8573,0.4210 to screen 0.8773,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
+  set label "Siconos Lemke".'  2D only' at screen 0.8823,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
-       'solvers_profile_3d.dat' index 87 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
-       'solvers_profile_3d.dat' index 90 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
-       'solvers_profile_3d.dat' index 93 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
-       'solvers_profile_3d.dat' index 96 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
-       'solvers_profile_3d.dat' index 99 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
-       'solvers_profile_3d.dat' index 102 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
-       'solvers_profile_3d.dat' index 105 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
-       'solvers_profile_3d.dat' index 108 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
-       'solvers_profile_3d.dat' index 111 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
-       'solvers_profile_3d.dat' index 114 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
-       'solvers_profile_3d.dat' index 117 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
-       'solvers_profile_3d.dat' index 84 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
+       'solvers_profile_3d.dat' index 116 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
+       'solvers_profile_3d.dat' index 120 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
+       'solvers_profile_3d.dat' index 124 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
+       'solvers_profile_3d.dat' index 128 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
+       'solvers_profile_3d.dat' index 132 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
+       'solvers_profile_3d.dat' index 136 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
+       'solvers_profile_3d.dat' index 140 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
+       'solvers_profile_3d.dat' index 144 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
+       'solvers_profile_3d.dat' index 148 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
+       'solvers_profile_3d.dat' index 152 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
+       'solvers_profile_3d.dat' index 156 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
+       'solvers_profile_3d.dat' index 112 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
   set lmargin at screen 0.7167
   set rmargin at screen 0.9820
   set bmargin at screen 0.0750
@@ -273,40 +265,40 @@ do for [type in 'png svg'] {
   unset label
   unset arrow
   unset title
-  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset 0,-0.6 font ',12'
+  set title 'each problem, from quick to slow' offset 0,-0.6 font ',12'
   unset logscale x
   set logscale y
   set xrange [0:60]
   set yrange [0.8:2.512e+06]
-  set format y '%g'
+  set format y '10^{%T}'
   set ytics 10
-  set ylabel '' offset 1,0
+  set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
   set xtics ('1.1e-05' 1, '0.0033' 15, '0.056' 29, '1' 43, '9.8' 57)
-  set label "CubeH8" at first 1,17.45 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
-      'solvers_profile_3d.dat' index 88 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
-      'solvers_profile_3d.dat' index 89 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
-      'solvers_profile_3d.dat' index 91 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
-      'solvers_profile_3d.dat' index 94 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
-      'solvers_profile_3d.dat' index 95 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
-      'solvers_profile_3d.dat' index 97 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
-      'solvers_profile_3d.dat' index 98 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#009e73', \
-      'solvers_profile_3d.dat' index 100 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
-      'solvers_profile_3d.dat' index 103 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
-      'solvers_profile_3d.dat' index 104 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#cc79a7', \
-      'solvers_profile_3d.dat' index 106 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 109 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 110 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 112 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
-      'solvers_profile_3d.dat' index 113 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
-      'solvers_profile_3d.dat' index 115 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
-      'solvers_profile_3d.dat' index 116 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
-      'solvers_profile_3d.dat' index 118 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
-      'solvers_profile_3d.dat' index 119 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
-      'solvers_profile_3d.dat' index 122 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 125 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
-      'solvers_profile_3d.dat' index 85 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
+      'solvers_profile_3d.dat' index 117 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 118 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 121 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 125 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 127 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 129 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 131 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 133 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
+      'solvers_profile_3d.dat' index 137 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 141 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 145 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 146 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 147 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 149 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 150 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 151 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 153 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 154 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 155 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 157 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 158 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 159 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 113 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
   unset multiplot
   unset output
 }

@@ -182,6 +182,24 @@ DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_
                                                  const double *displacement, const double *reaction,
                                                  const double *stress, dls_error *error);
 
+/* What a file for ParaView shows on a mesh. Start from {0}; each array may be NULL. */
+typedef struct dls_fe_fields {
+  const double *displacement; /* 2 * nodes                                    length */
+  const double *reaction;     /* 2 * nodes, (x, y)                            force */
+  const double *stress;       /* 3 * elements: xx, yy, xy of dls_fe_stress    force / length^2 */
+  double nu;                  /* Poisson's ratio: zz = nu (xx + yy) in plane strain */
+  int candidates;
+  const int *node;                /* candidates: node of the mesh */
+  const dls_contact_state *state; /* candidates */
+  const double *gap, *slip;       /* candidates                               length */
+} dls_fe_fields;
+
+/* Writes a file as dls_fe_write_vtu does, the stress as a tensor of nine components, and the point
+ * data "contact" (DLS_FREE 0, DLS_SLIP 1, DLS_STICK 2; -1 at nodes without contact), "gap" and
+ * "slip" (0 there). Statuses as there; DLS_E_ARGUMENT "node", also for a number out of range. */
+DLS_API DLS_MUST_USE dls_status dls_fe_write_fields(const char *path, const dls_fe_mesh *mesh,
+                                                    const dls_fe_fields *fields, dls_error *error);
+
 /* A ParaView collection (.pvd) of files in the order of time. */
 typedef struct dls_fe_series dls_fe_series;
 

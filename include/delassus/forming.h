@@ -215,8 +215,10 @@ DLS_API void dls_forming_get(const dls_forming *forming, dls_forming_data *data)
 DLS_API DLS_MUST_USE dls_status dls_forming_problem(const dls_forming *forming,
                                                     dls_contact *problem, dls_error *error);
 
-/* Writes an unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node,
- * Cauchy stress and equivalent plastic strain per element (means of its points). An element with a
+/* Writes an unstructured VTK XML file (.vtu, ascii) with displacement, contact force, contact
+ * state (DLS_FREE 0, DLS_SLIP 1, DLS_STICK 2; -1 where there is no candidate), gap and slip of the
+ * step per node, the tensor of Cauchy stress and the equivalent plastic strain per element (means
+ * of its points). An element with a
  * corner that a tool presses flat is written as the two triangles that meet there. DLS_E_FILE:
  * cannot be opened, or written (no file is left behind). */
 DLS_API DLS_MUST_USE dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path,

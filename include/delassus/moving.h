@@ -100,6 +100,12 @@ typedef struct dls_moving_data {
 /* Sets *data to views of the scene, which live as long as it does; all zero if moving is NULL. */
 DLS_API void dls_moving_get(const dls_moving *moving, dls_moving_data *data);
 
+/* Returns the contact problem of the last step, of the contacts that took part in it: a view that
+ * lives until the next step. nc = 0 without any, and on a path that is solved on K.
+ * DLS_E_ARGUMENT. */
+DLS_API DLS_MUST_USE dls_status dls_moving_problem(const dls_moving *moving, dls_contact *problem,
+                                                   dls_error *error);
+
 /* Frees the scene; NULL is fine. */
 DLS_API void dls_moving_destroy(dls_moving *moving);
 

@@ -131,6 +131,31 @@ DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_c
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
 
+/* Tells a solver which contacts of its next solve were there in its last one, where contacts
+ * appear, vanish or change their numbers from step to step. That solve then starts from what the
+ * last one left: set limits.warm_start, and pass r on to it.
+ *
+ *   nc        contacts of the next solve, 0 to those of create
+ *   from (nc) for each contact its number in the last solve, each number at most once; -1: the
+ *             contact is new
+ *   r (d nc)  out: the reactions of the last solve under the new numbers, 0 for new contacts
+ *
+ * The frames (n, t, s) of contacts that stay should turn with the bodies, since r is carried over
+ * in them. auto and nlgs keep the order in which a sweep visits the contacts, with a new contact
+ * after the one before it in the numbering; auto also keeps the answers from which it extrapolates
+ * and, for a dense W, Newton's factors if contacts stay in their order and only open ones come or
+ * go. What the solver knows of costs stays, too. Sweeps with momentum over at least 500 contacts
+ * that W does not couple densely leave out contacts without a reaction as long as they stay open.
+ *
+ * A solve of another number of contacts forgets the map; another call before that solve replaces
+ * it. The last solve is the last one that returned no error; before the first solve all contacts
+ * are new. Allocates nothing.
+ *
+ * DLS_E_SIZE (nc), DLS_E_ARGUMENT (from, with the index: out of range, or twice the same), with r
+ * unchanged; DLS_E_BUSY. */
+DLS_API DLS_MUST_USE dls_status dls_solver_map(dls_solver *solver, int nc, const int *from,
+                                               double *r, dls_error *error);
+
 /* Returns the direction (m) along which the reactions of the last solve grew without bound, or
  * NULL. It lives until the next solve or destroy.
  *

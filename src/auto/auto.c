@@ -84,6 +84,17 @@ static dls_status solve_cold(dlsi_auto *work, const dls_contact *problem, dls_er
   return status ? status : follow_plans(work, error);
 }
 
+/* Returns u of the best r as sweeps of bodies have left it, the bits of a product; NULL: there is
+ * none. */
+static const double *gap_of_sweeps(const dlsi_auto *work, dls_status status) {
+  const int last = work->info.stages - 1;
+  if (status != DLS_OK || last < 0 || work->has_copy || !dlsi_is_factored(work->problem) ||
+      work->info.stage[last].step != DLS_STEP_MOMENTUM ||
+      work->info.stage[last].residual != work->info.certificate.residual)
+    return NULL;
+  return dlsi_nlgs_gap(work->part[PUSH]);
+}
+
 static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
                              dls_info *info, dls_error *error) {
   dlsi_auto *work = automatic;
@@ -109,12 +120,13 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
-  if (u) memcpy(u, work->v[0], m * sizeof *u);
+  const double *gap = gap_of_sweeps(work, status);
+  if (u && !gap) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (u) memcpy(u, gap ? gap : work->v[0], m * sizeof *u);
   work->info.status = status;
   dlsi_auto_remember_cost(work, r);
-  if (warm) dlsi_auto_remember_answer(work, r, u);
-  if (info && status == DLS_OK) dlsi_auto_look_for_others(work, r);
+  if (warm) dlsi_auto_remember_answer(work, r, u ? u : gap);
+  if (info && status == DLS_OK) dlsi_auto_look_for_others(work, r, gap);
   if (info) *info = work->info;
   return status;
 }
@@ -226,5 +238,6 @@ const dlsi_method dlsi_auto_method = {
     .set_limits = auto_set_limits,
     .direction = auto_direction,
     .farkas = auto_farkas,
+    .map = dlsi_auto_map,
     .takes_bodies = 1,
 };

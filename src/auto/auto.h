@@ -97,6 +97,7 @@ typedef struct dlsi_auto {
   double of_step; /* what one with (SQ2) is expected to take, 0: as the first */
   int answers;    /* so many of the next two are there, of last_nc candidates */
   int last_nc;
+  int mapped;               /* contacts have come or gone since: W r is not known */
   double amplified;         /* error over residual of the last answer looked at */
   auto_answer last, former; /* of the solve before, and of the one before that */
 
@@ -252,6 +253,9 @@ int dlsi_auto_predict(dlsi_auto *work);
 /* (SQ2) Returns DLS_OK, an error, the reason for the end, or DLS_STALLED to go on. */
 dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error);
 
+/* (SQ3) */
+void dlsi_auto_map(void *automatic, int nc, const int *from);
+
 void dlsi_auto_remember_cost(dlsi_auto *work, const double *r);
 void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u);
 
@@ -289,7 +293,9 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error);
 dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_status status);
 
 dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error);
-void dlsi_auto_look_for_others(dlsi_auto *work, const double *r); /* ambiguous, unique */
+
+/* Sets info.ambiguous and info.unique. u: of r; NULL: not known. */
+void dlsi_auto_look_for_others(dlsi_auto *work, const double *r, const double *u);
 
 /* ---- alone.c --------------------------------------------------------------------------------- */
 

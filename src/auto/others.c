@@ -29,14 +29,14 @@ static double *room_of_normals(dlsi_auto *work) {
 
 /* Counts the ambiguous candidates. Sets unique to no if as many sweeps as the answer r took, from
  * where these have another solution by themselves, end at another answer. */
-static void sweep_to_another(dlsi_auto *work, const double *r) {
+static void sweep_to_another(dlsi_auto *work, const double *r, const double *u) {
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *other = work->v[1];
   dls_limits limits = {.tol = work->options.limits.tol, .warm_start = 1};
   dls_info info;
-  dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
-  work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0], other);
+  if (!u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  work->info.ambiguous = dlsi_count_ambiguous(problem, r, u ? u : work->v[0], other);
   if (!work->info.ambiguous || !work->part[SWEEPS]) return;
   limits.cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun);
   limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;
@@ -51,11 +51,13 @@ static void sweep_to_another(dlsi_auto *work, const double *r) {
   if (difference > dlsi_auto_another * size) work->info.unique = DLS_UNIQUE_NO;
 }
 
-void dlsi_auto_look_for_others(dlsi_auto *work, const double *r) {
+void dlsi_auto_look_for_others(dlsi_auto *work, const double *r, const double *u) {
   const dls_contact *problem = work->problem;
+  const int ambiguous = dlsi_may_be_ambiguous(problem);
+  if (!ambiguous && dlsi_is_factored(problem)) return; /* nothing is shown of W there */
   dlsi_auto_set_weights(work);
-  if (dlsi_may_be_ambiguous(problem))
-    sweep_to_another(work, r);
+  if (ambiguous)
+    sweep_to_another(work, r, u);
   else if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
     work->info.unique = DLS_UNIQUE_YES;
 }

@@ -18,6 +18,10 @@
  *          After a failure the next warm solve does not try. From a start (SQ1) with e > 1/4
  *          Newton's method continues as long as the factors are useful, because more states change
  *          there than one new factor would correct.
+ *   (SQ3)  map: where contacts get other numbers, come or go (dls_solver_map), the answers of (SQ1)
+ *          are renamed, with r = 0 for new contacts. If any come or go, W r of both is made afresh
+ *          if W is dense: two products. W of a packing changes with each step; its answers are
+ *          not extrapolated then
  */
 #include <math.h>
 #include <string.h>
@@ -59,6 +63,18 @@ static double expect(dlsi_auto *work, const double *r) {
   return now.residual;
 }
 
+/* Makes W r of both answers afresh. Scratch: v[0]. */
+static void multiply_answers(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const auto_answer *const answers[] = {&work->last, &work->former};
+  for (int i = 0; i < 2; i++) {
+    dlsi_contact_multiply(problem, NULL, answers[i]->r, work->v[0], NULL);
+    for (size_t k = 0; k < m; k++)
+      answers[i]->Wr[k] = work->v[0][k] - problem->q[k];
+  }
+}
+
 /* (SQ1) Returns 1 if the certificate of the start holds already. With the same W both starts are
  * measured without a product, since W r is linear in r; with another one this is a guess. */
 int dlsi_auto_predict(dlsi_auto *work) {
@@ -69,7 +85,9 @@ int dlsi_auto_predict(dlsi_auto *work) {
   if (work->answers < 2 || work->last_nc != problem->nc ||
       memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
+  if (work->mapped && !problem->W.a) return 0; /* (SQ3) */
   dlsi_auto_set_weights(work);
+  if (work->mapped) multiply_answers(work);
   for (size_t k = 0; k < m; k++)
     work->v[0][k] = a->Wr[k] + problem->q[k];
   double residual = expect(work, a->r);
@@ -110,6 +128,44 @@ void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u
   if (!u) u = work->v[0];
   for (size_t k = 0; k < m; k++)
     oldest.Wr[k] = u[k] - problem->q[k];
+}
+
+/* Renames an answer. Scratch: v[0], v[1]. */
+static void rename_answer(const dlsi_auto *work, auto_answer *a, int nc, const int *from) {
+  const size_t d = (size_t)work->d, m = d * (size_t)nc, bytes = d * sizeof *a->r;
+  double *r = work->v[0], *Wr = work->v[1];
+  for (int c = 0; c < nc; c++) {
+    const size_t to = d * (size_t)c, at = from[c] < 0 ? 0 : d * (size_t)from[c];
+    memset(r + to, 0, bytes);
+    memset(Wr + to, 0, bytes);
+    if (from[c] >= 0) memcpy(r + to, a->r + at, bytes);
+    if (from[c] >= 0) memcpy(Wr + to, a->Wr + at, bytes);
+  }
+  memcpy(a->r, r, m * sizeof *r);
+  memcpy(a->Wr, Wr, m * sizeof *Wr);
+}
+
+/* Returns 1 if a map gives each contact a number of the last answer, and each one of it a place. */
+static int is_permutation(const dlsi_auto *work, int nc, const int *from) {
+  int kept = 0;
+  for (int c = 0; c < nc; c++)
+    kept += from[c] >= 0;
+  return kept == nc && kept == work->last_nc;
+}
+
+void dlsi_auto_map(void *automatic, int nc, const int *from) {
+  dlsi_auto *work = automatic;
+  if (work->part[PUSH]) dlsi_nlgs_map(work->part[PUSH], nc, from);
+  if (work->part[NEWTON]) dlsi_newton_map(work->part[NEWTON], nc, from);
+  work->mapped = 0;
+  if (!from || !work->answers) return;
+  for (int c = 0; c < nc; c++)
+    if (from[c] >= work->last_nc) work->answers = 0; /* of an earlier solve */
+  if (!work->answers) return;
+  rename_answer(work, &work->last, nc, from);
+  if (work->answers == 2) rename_answer(work, &work->former, nc, from);
+  work->mapped = !is_permutation(work, nc, from);
+  work->last_nc = nc;
 }
 
 dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error) {

@@ -32,11 +32,17 @@ static size_t bodies_size(const dls_contact *problem) {
   else                                                                                             \
     CALL(3, 6)
 
+/* Returns 1 for r_c = 0, which moves nothing. */
+static inline int bodies_rests(size_t d, const double *rc) {
+  return rc[0] == 0 && (d < 2 || rc[1] == 0) && (d < 3 || rc[2] == 0);
+}
+
 static DLSI_INLINE void bodies_gather(const int d, const int n, const dls_contact *problem,
                                       const int *order, const double *r) {
   const dls_bodies *B = &problem->bodies;
   for (int k = 0; k < problem->nc; k++) {
     const size_t c = order ? (size_t)order[k] : (size_t)k;
+    if (bodies_rests((size_t)d, r + (size_t)d * c)) continue;
     const dlsi_pair_of_bodies of = dlsi_bodies_of(B, (size_t)n * (size_t)d, c, B->work);
     dlsi_bodies_push(d, n, &of, r + (size_t)d * c);
   }
@@ -53,23 +59,26 @@ static DLSI_INLINE void bodies_spread(const int d, const int n, const dls_contac
 }
 
 /* Adds |H| |r| to v and |H|^T v to a: a product without W rounds in both H and H^T. */
-static void bodies_magnitudes(const dls_contact *problem, const double *r, double *v, double *a) {
+static DLSI_INLINE void bodies_magnitudes(const size_t d, const size_t n,
+                                          const dls_contact *problem, const double *r, double *v,
+                                          double *a) {
   const dls_bodies *B = &problem->bodies;
-  const size_t n = (size_t)B->n, d = (size_t)problem->d, nc = (size_t)problem->nc;
-  for (int back = 0; back < 2; back++)
-    for (size_t k = 0; k < 2 * nc; k++) {
-      if (B->body[k] < 0) continue;
-      const double *H = B->H + n * d * k;
-      double *of = v + n * (size_t)B->body[k];
-      for (size_t i = 0; i < d; i++)
-        for (size_t l = 0; l < n; l++) {
-          const double h = fabs(H[l + n * i]);
-          if (back)
-            a[k / 2 * d + i] += h * of[l];
-          else
-            of[l] += h * fabs(r[k / 2 * d + i]);
-        }
-    }
+  const size_t places = 2 * (size_t)problem->nc;
+  for (size_t k = 0; k < places; k++) {
+    if (B->body[k] < 0 || bodies_rests(d, r + k / 2 * d)) continue;
+    const double *H = B->H + n * d * k;
+    double *of = v + n * (size_t)B->body[k];
+    for (size_t i = 0; i < d; i++)
+      for (size_t l = 0; l < n; l++)
+        of[l] += fabs(H[l + n * i]) * fabs(r[k / 2 * d + i]);
+  }
+  for (size_t k = 0; k < places; k++) {
+    if (B->body[k] < 0) continue;
+    const double *H = B->H + n * d * k, *of = v + n * (size_t)B->body[k];
+    for (size_t i = 0; i < d; i++)
+      for (size_t l = 0; l < n; l++)
+        a[k / 2 * d + i] += fabs(H[l + n * i]) * of[l];
+  }
 }
 
 void dlsi_bodies_unfold(const dls_contact *problem, int first, int end, double *u) {
@@ -90,12 +99,13 @@ void dlsi_bodies_multiply(const dls_contact *problem, const int *order, const do
   if (!a) return;
   memset(work + room, 0, room * sizeof *work);
   memset(a, 0, m * sizeof *a);
-  bodies_magnitudes(problem, r, work + room, a);
+#define MAGNITUDES(d, n) bodies_magnitudes(d, n, problem, r, work + room, a)
+  BY_SIZE(MAGNITUDES);
 }
 
 /* Adds A^T B to the block, A and B n x d. */
-static void bodies_add_product(size_t d, size_t n, const double *A, const double *B,
-                               double *block) {
+static DLSI_INLINE void bodies_add_product(const size_t d, const size_t n, const double *A,
+                                           const double *B, double *block) {
   for (size_t j = 0; j < d; j++)
     for (size_t i = 0; i < d; i++) {
       double sum = A[n * i] * B[n * j];
@@ -105,14 +115,21 @@ static void bodies_add_product(size_t d, size_t n, const double *A, const double
     }
 }
 
-void dlsi_bodies_diagonal(const dls_contact *problem, int c, double *block) {
-  const size_t d = (size_t)problem->d, size = bodies_size(problem);
+/* block := W_cc, inlined for constants d and n. */
+static DLSI_INLINE void bodies_square(const size_t d, const size_t n, const dls_contact *problem,
+                                      int c, double *block) {
+  const size_t size = n * d;
   for (size_t e = 0; e < d * d; e++)
     block[e] = 0;
   for (size_t k = 2 * (size_t)c; k < 2 * (size_t)c + 2; k++) {
     const double *H = problem->bodies.H + k * size;
-    if (problem->bodies.body[k] >= 0) bodies_add_product(d, (size_t)problem->bodies.n, H, H, block);
+    if (problem->bodies.body[k] >= 0) bodies_add_product(d, n, H, H, block);
   }
+}
+
+void dlsi_bodies_diagonal(const dls_contact *problem, int c, double *block) {
+#define SQUARE(d, n) bodies_square(d, n, problem, c, block)
+  BY_SIZE(SQUARE);
 }
 
 /* ---- W by blocks ----------------------------------------------------------------------------- */

@@ -41,6 +41,10 @@ typedef struct dlsi_method {
   const double *(*direction)(const void *work);
   /* As dls_solver_farkas says. NULL: the method proves nothing. */
   const double *(*farkas)(const void *work);
+  /* Renames what the next solve takes from the last one: its contact c, of nc, is from[c] of that
+   * one, -1: it is new. from NULL: there is no map. Called before each solve; NULL: the method
+   * takes nothing but r. */
+  void (*map)(void *work, int nc, const int *from);
   int takes_bodies; /* 1: solves a problem of bodies directly, 0: also needs W by blocks */
 } dlsi_method;
 

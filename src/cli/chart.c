@@ -26,26 +26,29 @@ enum { most_rows_of_rank = 1500, most_rows_of_prediction = 600 }; /* each takes 
 static const double prefer_auto = 1.25;
 
 typedef struct chart_options {
+  source from;
   int repeat;
   double limit, budget;
   const char *out;
 } chart_options;
 
 static void chart_usage(FILE *out) {
-  fputs(
-      "Usage: delassus chart [OPTION]... FILE|SCENE\n"
-      "Runs each method on one contact problem (a file, or a scene of 'delassus scene --list') to\n"
-      "tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and convergence. Prints a\n"
-      "table and the method to take; writes chart.csv, history.csv, chart.png and chart.svg.\n"
-      "\n"
-      "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"
-      "  -l, --limit=S         CPU seconds for a solve (1), or 30 times the fastest if that is\n"
-      "                        more\n"
-      "  -b, --budget=S        approximate CPU seconds of all solves (12)\n"
-      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
-      "printed)\n" LAST_USAGE "\n"
-      "Exit status: 0, 1 if auto failed at a tolerance, 2 bad input.\n",
-      out);
+  fputs("Usage: delassus chart [OPTION]... FILE|SCENE\n"
+        "  or:  delassus chart [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
+        "Runs each method on one contact problem (a file, a scene of 'delassus scene --list', or\n"
+        "matrices) to tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and\n"
+        "convergence. Prints a table and the method to take; writes chart.csv, history.csv,\n"
+        "chart.png and chart.svg.\n"
+        "\n"
+        "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"
+        "  -l, --limit=S         CPU seconds for a solve (1), or 30 times the fastest if that is\n"
+        "                        more; in need ten times as many\n"
+        "  -b, --budget=S        approximate CPU seconds of all solves (12)\n"
+        "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
+        "printed)\n" LAST_USAGE "\n"
+        "Exit status: 0, 1 if auto failed at a tolerance, 2 bad input.\n\n",
+        out);
+  source_usage(out);
 }
 
 /* ---- errors ---------------------------------------------------------------------------------- */
@@ -277,8 +280,7 @@ static dls_status chart_histories(chart *c, double limit, dls_error *error) {
   for (int k = 0; k < a->count && status >= 0 && !was_interrupted(); k++) {
     dls_info info;
     const double seconds = fmax(limit, 4 * race_trial(a, k, a->rungs - 1)->seconds);
-    status =
-        record_history(&c->history[k], a->solver[k], a->problem, tol, seconds, r, &info, error);
+    status = record_history(&c->history[k], a, k, tol, seconds, r, &info, error);
   }
   progress_end();
   free(r);
@@ -293,7 +295,7 @@ static dls_status chart_measure(chart *c, const chart_options *o, dls_error *err
                           .repeat = o->repeat,
                           .limit = o->limit,
                           .budget = o->budget};
-  dls_status status = race_run(&c->race, &c->subject.contact, &plan, error);
+  dls_status status = race_run(&c->race, &c->subject.contact, &c->subject, &plan, error);
   if (status) return status;
   const size_t count = (size_t)c->race.count;
   c->error = malloc(count * CHART_RUNGS * sizeof *c->error);
@@ -324,11 +326,12 @@ static int chart_fails(const chart *c) {
 
 static int run_chart(const char *name, const chart_options *o) {
   const char *out = NULL;
-  chart c = {0};
+  chart c = {.limit = o->limit};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  dls_status status = named_load(name, &c.subject, &error);
-  if (!status && (out = take_folder(o->out, "chart", name))) status = chart_measure(&c, o, &error);
+  dls_status status = DLS_OK;
+  if (problem_open(name, &o->from, &c.subject) && (out = take_folder(o->out, "chart", name)))
+    status = chart_measure(&c, o, &error);
   if (status)
     (void)complain_of(name, &error);
   else if (out) {
@@ -344,7 +347,7 @@ static int run_chart(const char *name, const chart_options *o) {
     result = end_table(result, why, "chart", out, "chart.csv");
   }
   race_free(&c.race);
-  named_free(&c.subject);
+  problem_free(&c.subject);
   for (int at = 0; at < c.answers; at++)
     free(c.answer[at].proved);
   free(c.error);
@@ -352,23 +355,20 @@ static int run_chart(const char *name, const chart_options *o) {
   return result;
 }
 
-static taken take_chart_option(int key, const char *text, void *data) {
-  chart_options *o = data;
-  if (key == 'r') return parse_count("repeat", text, &o->repeat);
-  if (key == 'l') return parse_number("limit", text, &o->limit);
-  if (key == 'b') return parse_number("budget", text, &o->budget);
-  if (key != 'o') return OPTION_UNKNOWN;
-  o->out = text;
-  return OPTION_TAKEN;
-}
-
 int command_chart(int argc, char **argv) {
-  static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
-                                          VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
-  static const command chart_command = {"r:l:b:o:", options, chart_usage, take_chart_option, 1};
+  static const option_row options[] = {ROW(A_COUNT, "repeat", 'r', chart_options, repeat),
+                                       ROW(A_NUMBER, "limit", 'l', chart_options, limit),
+                                       ROW(A_NUMBER, "budget", 'b', chart_options, budget),
+                                       ROW(A_TEXT, "out", 'o', chart_options, out),
+                                       SOURCE_OPTIONS(chart_options, from),
+                                       LAST_OPTIONS};
+  static const command chart_command = {options, chart_usage, NULL, 0};
   chart_options o = {.repeat = 25, .limit = 1, .budget = 12};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;
+  int count = argc - optind;
+  if (count > 1) return wrong_names(argv[0]);
+  char **names = source_names(&count, argv, &o.from);
   watch_interrupt();
-  return leave_lcps(1, argv + optind) ? run_chart(argv[optind], &o) : EXIT_SOLVED;
+  return !names ? EXIT_BAD_INPUT : count ? run_chart(names[0], &o) : EXIT_SOLVED;
 }

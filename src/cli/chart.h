@@ -17,9 +17,9 @@ typedef struct chart_answer {
 } chart_answer;
 
 typedef struct chart {
-  named subject;
+  problem subject;
   race race;
-  double tol[CHART_RUNGS];
+  double tol[CHART_RUNGS], limit; /* limit: CPU seconds */
   int in_u;      /* 1: errors are measured in u, for W is rank deficient; 0: in r */
   double *error; /* contenders x rungs: from the answer that the method went to; NaN: unknown */
   int answers;
@@ -49,7 +49,7 @@ void chart_amplification(const chart *c, int k, char *text, size_t size);
 
 /* ---- chart_picture.c ------------------------------------------------------------------------- */
 
-/* Writes chart.csv, history.csv, chart.dat, chart.gp and draws chart.png, chart.svg;
+/* Writes chart.csv, history.csv, chart.gp and draws chart.png, chart.svg;
  * returns EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_chart(const chart *c, const char *directory);
 

@@ -1,9 +1,6 @@
 /*
  * chart_picture.c: the files of delassus chart: chart.csv, history.csv, and the picture: four
  * panels, and under them the table, which is the key of all four.
- *
- * chart.dat holds for contender k block 2 k (digits, ms, CPU over the fastest, residual, error; a
- * row for each rung that it solved) and block 2 k + 1 (iteration, residual).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -31,16 +28,17 @@ static int write_chart_csv(const chart *c, const char *directory) {
   const race *a = &c->race;
   FILE *file = open_in(directory, "chart.csv");
   if (!file) return 0;
-  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer\n", file);
+  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer,longer\n",
+        file);
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       const trial *t = race_trial(a, k, rung);
       const int solved = t->end == ENDED_SOLVED;
-      fprintf(file, "%s,%.0e,%s,%d,%.4e,%.3f,%d,%.17g,%.3e,%c\n", a->who[k].name, a->tol[rung],
+      fprintf(file, "%s,%.0e,%s,%d,%.4e,%.3f,%d,%.17g,%.3e,%c,%d\n", a->who[k].name, a->tol[rung],
               ending_word(t->end), t->asked, t->seconds,
               solved ? t->seconds / race_fastest(a, rung, 0) : (double)NAN, t->iterations,
               t->residual, c->error[k * a->rungs + rung],
-              solved && c->went_to[k] >= 0 ? 'A' + c->went_to[k] : '-');
+              solved && c->went_to[k] >= 0 ? 'A' + c->went_to[k] : '-', t->longer);
     }
   return close_file(file, "chart.csv");
 }
@@ -54,30 +52,6 @@ static int write_history_csv(const chart *c, const char *directory) {
       fprintf(file, "%s,%d,%.4e,%.6e\n", c->race.who[k].name, c->history[k].iteration[i],
               c->history[k].seconds[i], c->history[k].residual[i]);
   return close_file(file, "history.csv");
-}
-
-static int write_chart_data(const chart *c, const char *directory) {
-  const race *a = &c->race;
-  FILE *file = open_in(directory, "chart.dat");
-  if (!file) return 0;
-  fputs("# digits ms times residual error | iteration residual\n", file);
-  for (int k = 0; k < a->count; k++) {
-    fputs("0 NaN NaN NaN NaN\n", file); /* keeps a block of no rows */
-    for (int rung = 0; rung < a->rungs; rung++) {
-      const trial *t = race_trial(a, k, rung);
-      const double error = c->error[k * a->rungs + rung];
-      if (t->end != ENDED_SOLVED) break;
-      fprintf(file, "%g %.5g %.4g %.4g %.4g\n", -log10(a->tol[rung]), 1e3 * t->seconds,
-              t->seconds / race_fastest(a, rung, 0), at_least(t->residual, least_residual),
-              isnan(error) ? error : at_least(error, least_residual));
-    }
-    fputs("\n\n0 NaN\n", file);
-    for (int i = 0; i < c->history[k].points; i++)
-      fprintf(file, "%d %.4g\n", c->history[k].iteration[i] > 0 ? c->history[k].iteration[i] : 1,
-              at_least(c->history[k].residual[i], least_residual));
-    fputs("\n\n", file);
-  }
-  return close_file(file, "chart.dat");
 }
 
 /* ---- script ---------------------------------------------------------------------------------- */
@@ -121,91 +95,45 @@ static ranges find_ranges(const chart *c) {
 
 static void begin_panel(FILE *s, int i, const char *title, const char *x, const char *y) {
   const panel *p = &panels[i];
+  place_panel(s, p->left, p->right, p->bottom, p->top);
   fprintf(s,
-          "  set lmargin at screen %g\n  set rmargin at screen %g\n  set bmargin at screen %g\n"
-          "  set tmargin at screen %g\n  unset label\n  unset arrow\n  unset object\n"
-          "  set title '{/:Bold %s}' offset 0,-0.6\n  set xlabel '%s' offset 0,0.5\n"
-          "  set ylabel '%s' offset 0.8,0\n",
-          p->left, p->right, p->bottom, p->top, title, x, y);
+          "  unset label\n  unset arrow\n  unset object\n  set title '{/:Bold %s}' offset 0,-0.6\n"
+          "  set xlabel '%s' offset 0,0.5\n  set ylabel '%s' offset 0.8,0\n",
+          title, x, y);
 }
 
-/* Draws a curve of each contender that solved a rung, column y over column x, auto last and
- * thick. */
-static void plot_curves(FILE *s, const chart *c, int x, int y) {
+/* Draws a curve of each contender that solved a rung, y over x, expressions of gnuplot in the
+ * columns of chart.csv, auto last and thick; below it the dotted curve of `beside`, or NULL. */
+static void plot_curves(FILE *s, const chart *c, const char *x, const char *y, const char *beside) {
   const race *a = &c->race;
   for (int i = 1; i <= a->count; i++) {
     const int k = i % a->count; /* auto, 0, comes last */
-    if (race_trial(a, k, 0)->end != ENDED_SOLVED || (y == 5 && !c->answers)) continue;
-    if (y == 5) /* the residual beside its error */
-      fprintf(s, ", \\\n      'chart.dat' index %d using %d:4 with lines lw 1.2 dt 3 lc rgb '%s'",
-              2 * k, x, a->who[k].colour);
-    fprintf(s,
-            ", \\\n      'chart.dat' index %d using %d:%d with linespoints lw %g lc rgb '%s' pt %d "
-            "ps %g",
-            2 * k, x, y, k ? 1.8 : 4.0, a->who[k].colour, a->who[k].point, k ? 1.1 : 1.5);
+    const contender *who = &a->who[k];
+    if (race_trial(a, k, 0)->end != ENDED_SOLVED) continue;
+    if (beside)
+      fprintf(
+          s,
+          ", \\\n      'chart.csv' using (of('%s', %s)):(least(%s)) with lines lw 1.2 dt 3 lc rgb "
+          "'%s'",
+          who->name, x, beside, who->colour);
+    fprintf(
+        s,
+        ", \\\n      'chart.csv' using (of('%s', %s)):(least(%s)) with linespoints lw %g lc rgb "
+        "'%s' pt %d ps %g",
+        who->name, x, y, k ? 1.8 : 4.0, who->colour, who->point, k ? 1.1 : 1.5);
   }
   fputs("\n", s);
 }
 
-/* A cross where a method gave up, and its words, which stretch from left to right at height b. */
-typedef struct cross {
-  double x, y; /* on the axes */
-  double a, b; /* in the panel, 0 to 1; b of the words */
-  double left, right;
-  int of, before; /* contender; 1: the words stand before the cross */
-  char words[64];
-} cross;
-
-static int higher_cross(const void *p, const void *q) {
-  const cross *a = p, *b = q;
-  return (a->b < b->b) - (a->b > b->b);
-}
-
-static double part_of(double x, double lo, double hi) {
-  return log(x / lo) / log(hi / lo);
-}
-
-static int find_crosses(const chart *c, const ranges *g, cross *all) {
-  static const double letter = 0.0122, gap = 0.018; /* of the panel's width */
-  int count = 0;
+/* Writes a mark for each contender that gave up, where it gave up: a cross, or a ring where that is
+ * not decided. The table has the verdicts. */
+static void write_marks(FILE *s, const chart *c, const ranges *g) {
   for (int k = 0; k < c->race.count; k++) {
     const trial *t = race_trial(&c->race, k, c->race.rungs - 1);
     if (t->end == ENDED_SOLVED) continue; /* else the first rung that failed stands there */
-    cross *p = &all[count++];
-    *p = (cross){.x = 1e3 * t->seconds, .y = at_least(t->residual, 10 * least_residual), .of = k};
-    p->y = fmin(p->y, g->residual_max / 2);
-    p->a = part_of(p->x, g->ms_min, g->ms_max);
-    p->b = part_of(p->y, least_residual, g->residual_max);
-    const int letters =
-        snprintf(p->words, sizeof p->words, "%s: %s", c->race.who[k].name, ending_word(t->end));
-    p->before = p->a > 0.55;
-    p->left = p->a + gap - (p->before ? 2 * gap + letters * letter : 0);
-    p->right = p->left + letters * letter;
-  }
-  qsort(all, (size_t)count, sizeof *all, higher_cross);
-  return count;
-}
-
-/* Writes a cross and its verdict for each contender that gave up; words move down until none
- * overlap. */
-static void write_crosses(FILE *s, const chart *c, const ranges *g) {
-  static const double line = 0.062;
-  cross all[MOST_CONTENDERS];
-  const int count = find_crosses(c, g, all);
-  for (int i = 0; i < count; i++) {
-    cross *p = &all[i];
-    for (int j = 0; j < i; j++) {
-      const cross *q = &all[j];
-      if (q->left > p->right || q->right < p->left || fabs(q->b - p->b) > 0.99 * line) continue;
-      p->b = q->b - line;
-      j = -1; /* the new place may touch others */
-    }
-    fprintf(s, "  set label '' at first %.5g,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n", p->x,
-            p->y, c->race.who[p->of].colour);
-    fprintf(
-        s, "  set label '%s' at graph %.4f,%.4f %s tc rgb '%s' font ',11' noenhanced front boxed\n",
-        p->words, p->before ? p->right : p->left, p->b, p->before ? "right" : "left",
-        c->race.who[p->of].colour);
+    fprintf(s, "  set label '' at first %.5g,%.5g point pt %d ps 1.8 lw 3 lc rgb '%s' front\n",
+            1e3 * t->seconds, fmin(at_least(t->residual, 10 * least_residual), g->residual_max / 2),
+            t->end == ENDED_UNDECIDED ? 6 : 2, c->race.who[k].colour);
   }
 }
 
@@ -216,10 +144,10 @@ static void write_band(FILE *s, const chart *c) {
   while (rungs < c->race.rungs && isfinite(race_fastest(&c->race, rungs, 0)))
     rungs++;
   for (int i = 0; i < rungs; i++)
-    fprintf(s, "%.5g %.0e\n", 1e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+    fprintf(s, "%.5g,%.0e\n", 1e3 * race_fastest(&c->race, i, 0), c->tol[i]);
   for (int i = rungs - 1; i >= 0; i--)
-    fprintf(s, "%.5g %.0e\n", 2e3 * race_fastest(&c->race, i, 0), c->tol[i]);
-  fputs(rungs ? "END\n" : "1 NaN\nEND\n", s);
+    fprintf(s, "%.5g,%.0e\n", 2e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+  fputs(rungs ? "END\n" : "1,NaN\nEND\n", s);
 }
 
 static void write_work(FILE *s, const chart *c, const ranges *g) {
@@ -229,18 +157,18 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
           "  set logscale xy\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
           "  set format x '10^{%%T}'\n  set format y '10^{%%T}'\n  set ytics 1e-16,1e4\n",
           g->ms_min, g->ms_max, least_residual, g->residual_max);
-  write_crosses(s, c, g);
+  write_marks(s, c, g);
   if (isfinite(race_fastest(&c->race, 0, 0)))
     fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
   else
     fputs("  plot 1/0 with lines", s);
-  plot_curves(s, c, 2, 4);
+  plot_curves(s, c, "1e3*$5", "$8", NULL);
 }
 
 static void write_ratios(FILE *s, const chart *c, const ranges *g) {
   const race *a = &c->race;
-  begin_panel(s, 1, "CPU over the fastest at each tolerance; crosses: gave up", "tolerance, digits",
-              "CPU / fastest");
+  begin_panel(s, 1, "CPU over the fastest; crosses: gave up; rings: not decided",
+              "digits of the tolerance", "CPU / fastest");
   fprintf(
       s,
       "  unset logscale x\n  set xrange [1.5:14.5]\n  set yrange [0.9:%g]\n  set format x '%%g'\n"
@@ -250,12 +178,13 @@ static void write_ratios(FILE *s, const chart *c, const ranges *g) {
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       if (race_trial(a, k, rung)->end == ENDED_SOLVED) continue;
-      fprintf(s, "  set label '' at first %.3f,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n",
-              -log10(a->tol[rung]) + 0.25 * shift[rung]++, 1.45 * g->ratio_max, a->who[k].colour);
+      fprintf(s, "  set label '' at first %.3f,%.5g point pt %d ps 1.8 lw 3 lc rgb '%s' front\n",
+              -log10(a->tol[rung]) + 0.25 * shift[rung]++, 1.45 * g->ratio_max,
+              race_trial(a, k, rung)->end == ENDED_UNDECIDED ? 6 : 2, a->who[k].colour);
       break;
     }
   fputs("  plot 2 with filledcurves y1=0.9 fc rgb '#e4e4e4'", s);
-  plot_curves(s, c, 1, 3);
+  plot_curves(s, c, "-log10($2)", "$6", NULL);
 }
 
 static void write_errors(FILE *s, const chart *c, const ranges *g) {
@@ -287,7 +216,10 @@ static void write_errors(FILE *s, const chart *c, const ranges *g) {
             at_least(agreement, 3 * least_residual));
   else
     fputs("  plot 1/0 with lines", s);
-  plot_curves(s, c, 2, 5);
+  if (c->answers)
+    plot_curves(s, c, "1e3*$5", "$9", "$8");
+  else
+    fputs("\n", s);
 }
 
 /* Marks the first stages of auto, staggered, along the bottom. */
@@ -317,8 +249,11 @@ static void write_convergence(FILE *s, const chart *c, const ranges *g) {
   for (int i = 1; i <= a->count; i++) {
     const int k = i % a->count, few = c->history[k].points < 25;
     if (!c->history[k].points) continue;
-    fprintf(s, ", \\\n      'chart.dat' index %d using 1:2 with %s lw %g lc rgb '%s'", 2 * k + 1,
-            few ? "linespoints" : "lines", k ? 1.8 : 4.0, a->who[k].colour);
+    fprintf(
+        s,
+        ", \\\n      'history.csv' using (strcol(1) eq '%s' ? ($2 > 0 ? $2 : 1) : NaN):(least($4)) "
+        "with %s lw %g lc rgb '%s'",
+        a->who[k].name, few ? "linespoints" : "lines", k ? 1.8 : 4.0, a->who[k].colour);
     if (few) fprintf(s, " pt %d ps 0.9", a->who[k].point);
   }
   fputs("\n", s);
@@ -331,12 +266,11 @@ static void write_key(FILE *s, const chart *c) {
   const race *a = &c->race;
   const double line = 0.245 / (a->count + 1);
   char cell[400];
-  fputs(
-      "  set lmargin at screen 0.01\n  set rmargin at screen 0.99\n  set bmargin at screen 0.005\n"
-      "  set tmargin at screen 0.28\n  unset label\n  unset arrow\n  unset title\n  unset xlabel\n"
-      "  unset ylabel\n  unset border\n  unset tics\n  unset grid\n  unset logscale\n"
-      "  set xrange [0:1]\n  set yrange [0:1]\n",
-      s);
+  place_panel(s, 0.01, 0.99, 0.005, 0.28);
+  fputs("  unset label\n  unset arrow\n  unset title\n  unset xlabel\n"
+        "  unset ylabel\n  unset border\n  unset tics\n  unset grid\n  unset logscale\n"
+        "  set xrange [0:1]\n  set yrange [0:1]\n",
+        s);
   for (int i = 0; i < CHART_TARGETS; i++)
     fprintf(s, "  set label '{/:Bold %s}' at screen %g,%g left font ',12'\n", head[i],
             column[2 + i], top);
@@ -371,13 +305,18 @@ static void write_key(FILE *s, const chart *c) {
   fputs("  plot -1 with lines\n", s);
 }
 
+/* Returns what draw_script does. */
 static int write_chart_script(const chart *c, const char *directory) {
-  FILE *s = open_in(directory, "chart.gp");
+  FILE *s = open_script(directory, "chart");
   if (!s) return 0;
   char advice[400];
   const ranges g = find_ranges(c);
   chart_advice(c, advice, sizeof advice);
-  fputs("set datafile missing 'NaN'\n", s);
+  fprintf(s,
+          "set datafile separator ','\nset datafile missing 'nan'\n"
+          "of(name, x) = strcol(1) eq name && strcol(3) eq 'solved' ? x : NaN\n"
+          "least(y) = y > %g ? y : y == y ? %g : NaN\n",
+          least_residual, least_residual);
   write_band(s, c);
   begin_pictures(s, "chart", 1500, 1250);
   fputs("  set key off\n  set border\n  set tics\n  set grid lc rgb '#d8d8d8'\n  set style textbox "
@@ -385,13 +324,14 @@ static int write_chart_script(const chart *c, const char *directory) {
         s);
   fputs("  set multiplot\n", s);
   fprintf(s,
-          "  set label 100 %s.': %dD, %d candidate%s' at screen 0.06,0.975 left font ',17' "
+          "  set label 100 %s.': %dD, %d candidate%s; measured, CPU up to %g s a solve' at screen "
+          "0.06,0.975 left font ',17' "
           "noenhanced\n  set label 101 %s at screen 0.06,0.947 left font ',15' noenhanced tc rgb "
           "'#0050a0'\n",
           quote(AS_GNUPLOT, c->subject.name).text, c->race.d, c->race.nc, plural(c->race.nc),
-          quote(AS_GNUPLOT, advice).text);
-  fputs("  set lmargin at screen 0\n  set rmargin at screen 1\n  set bmargin at screen 0.92\n"
-        "  set tmargin at screen 1\n  unset border\n  unset tics\n  set xrange [0:1]\n"
+          10 * c->limit, quote(AS_GNUPLOT, advice).text);
+  place_panel(s, 0, 1, 0.92, 1);
+  fputs("  unset border\n  unset tics\n  set xrange [0:1]\n"
         "  set yrange [0:1]\n  plot -1 with lines\n  set border\n  set tics\n",
         s);
   write_work(s, c, &g);
@@ -399,16 +339,13 @@ static int write_chart_script(const chart *c, const char *directory) {
   write_errors(s, c, &g);
   write_convergence(s, c, &g);
   write_key(s, c);
-  fputs("  unset multiplot\n  unset output\n}\n", s);
-  return close_file(s, "chart.gp");
+  return draw_script(s, directory, "chart");
 }
 
 int draw_chart(const chart *c, const char *directory) {
-  if (!write_chart_csv(c, directory) || !write_history_csv(c, directory) ||
-      !write_chart_data(c, directory) || !write_chart_script(c, directory))
-    return EXIT_BAD_INPUT;
-  /* without gnuplot the run is still good: tables and script are there */
-  if (run_gnuplot(directory, "chart.gp"))
-    tell("drawn: %s/chart.png\n", quote(AS_SHOWN, directory).text);
-  return EXIT_SOLVED;
+  const int drawn = write_chart_csv(c, directory) && write_history_csv(c, directory)
+                        ? write_chart_script(c, directory)
+                        : 0;
+  if (drawn == 2) tell("drawn: %s/chart.png\n", quote(AS_SHOWN, directory).text);
+  return drawn ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

@@ -5,6 +5,7 @@
 #define CLI_H
 
 #include <getopt.h>
+#include <stddef.h>
 #include <stdio.h>
 
 #include "delassus.h"
@@ -25,6 +26,7 @@ int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_moving(int argc, char **argv);
 int command_converge(int argc, char **argv);
+int command_report(int argc, char **argv);
 
 enum { PATH_ROOM = 4096 }; /* of a path */
 
@@ -56,12 +58,19 @@ const char *nearest_words(nearest *n);
 
 /* Returns the name of scene k of any kind; NULL beyond the last. */
 const char *scene_name(int k);
-int names_a_scene(const char *name);
+typedef enum scene_kind { NO_SCENE, SCENE_AT_ONCE, SCENE_FORMING, SCENE_MOVING } scene_kind;
+scene_kind kind_of_scene(const char *name);
+scene_kind kind_among(int argc, char **argv); /* of the first argument that is a scene */
 
 /* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
 int no_scene(const char *name);
 
 /* ---- json.c ---------------------------------------------------------------------------------- */
+
+/* Cuts a line of CSV into at most MOST_FIELDS fields in place; returns their number. A field in
+ * quotes may hold commas, and "" for a quote. */
+enum { MOST_FIELDS = 24, LONGEST_LINE = 8192 };
+int cut_fields(char *line, char **field);
 
 /* Begins the object that --json prints: its title, status and, where it is not NULL, why. */
 void print_json_head(const char *title, const char *status, const char *why);
@@ -73,28 +82,40 @@ int end_table(int result, const char *why, const char *title, const char *direct
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
-/* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
- * after a failed load, too. */
+/* A problem in memory, and the owners of its parts. Start from {0}; free it after a failed load,
+ * too. */
 struct matrices;
+struct source;
 typedef struct problem {
   dls_fclib *file;           /* NULL for text */
   dls_text *text;            /* NULL for FCLIB */
   struct matrices *matrices; /* those of a host code (matrices.c), or NULL */
-  dls_reduction *reduction;  /* NULL for a local problem */
-  dls_model model;           /* of a global one */
+  dls_fe_scene *scene;       /* NULL: none */
+  dls_moving *moving;
+  double *own;              /* of a scene in steps */
+  dls_reduction *reduction; /* NULL for a local problem */
+  dls_model model;          /* of a global one; n = 0: none */
   const double *f, *g, *mu;
   int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
   int on_K;      /* 1: contact has d, nc and mu, and no W */
   dls_contact contact;
   double reduction_cpu_seconds;
+  char name[96];  /* without directories and ending; with the step */
+  char note[200]; /* what was chosen or changed to get it; "" */
 } problem;
 
-/* Sets p->contact, p->on_K from p->reduction. */
-dls_status problem_take_contact(problem *p, dls_error *error);
+/* Loads the problem that a command is asked for: the matrices of `wanted`, or `name`, a file or a
+ * scene. Prints the note. Returns 1; 0 after a complaint, or silently after Ctrl-C. */
+int problem_open(const char *name, const struct source *wanted, problem *p);
 
-/* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it,
- * where `on` says. */
-dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls_error *error);
+/* named.c: the problem of a scene, of one step where it goes in steps. */
+dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
+                            dls_error *error);
+
+/* place.c: reduces p->model to W with the loads f, g, or takes it on K where `from` is for `solve`
+ * and allows it. Elsewhere springs hold a body that contact alone holds, about its equilibrium;
+ * p->note says so. */
+dls_status problem_condense(problem *p, const struct source *from, dls_error *error);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
  * some microseconds take more CPU than the work (docs/threads.md). The library leaves the BLAS of
@@ -112,8 +133,7 @@ void matrices_free(struct matrices *matrices);
  * NULL. */
 const char *other_kind(const char *path);
 
-/* Returns 1 after a complaint if `path` names a scene, or a file of another kind than a problem (a
- * matrix, say). */
+/* Returns 1 after a complaint if `path` is a file of another kind than a problem (a matrix). */
 int is_no_problem(const char *path);
 
 /* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */
@@ -136,11 +156,30 @@ typedef enum taken {
   OPTION_DONE /* there is nothing left to do */
 } taken;
 
-/* A command as getopt_long reads it: the short keys, all options, the text of --help, and a
- * function that takes the option `key` with its argument `text` into the command's data. */
+/* What is done with the value of an option. */
+typedef enum option_kind {
+  BY_FUNCTION, /* command.take takes it, by its key */
+  A_FLAG,      /* int := 1 */
+  A_TEXT,      /* const char * */
+  A_NUMBER,    /* double, finite and >= 0 */
+  A_COUNT,     /* int >= 1 */
+  A_MESH       /* two ints, NXxNY */
+} option_kind;
+
+/* An option. key: its letter; else, for command.take alone, a number from 256 on; else 0. at: place
+ * of the value in the data of the command. */
+typedef struct option_row {
+  const char *name;
+  int key;
+  option_kind kind;
+  int has_value;
+  size_t at;
+} option_row;
+
+/* A command: its options, the last one without a name, the text of --help, and a function that
+ * takes those BY_FUNCTION into the command's data, or NULL. */
 typedef struct command {
-  const char *keys;
-  const struct option *options;
+  const option_row *options;
   void (*usage)(FILE *out);
   taken (*take)(int key, const char *text, void *data);
   int operands; /* names after the options; 0: the command counts them itself */
@@ -154,14 +193,16 @@ int take_options(int argc, char **argv, const command *command, void *data);
 /* Complains of the number of names after the options of command `name`; returns EXIT_BAD_INPUT. */
 int wrong_names(const char *name);
 
-/* Rows of a table of options: with a value, without, and the last rows of every command. */
+/* Rows of a table of options: BY_FUNCTION with a value and without; the other kinds; and the last
+ * rows of every command. */
 #define VALUE(name, key)                                                                           \
-  { name, required_argument, NULL, key }
+  { name, key, BY_FUNCTION, 1, 0 }
 #define FLAG(name, key)                                                                            \
-  { name, no_argument, NULL, key }
+  { name, key, BY_FUNCTION, 0, 0 }
+#define ROW(kind, name, key, type, member)                                                         \
+  { name, key, kind, (kind) != A_FLAG, offsetof(type, member) }
 #define LAST_OPTIONS                                                                               \
   FLAG("json", 'j'), FLAG("verbose", 'v'), FLAG("quiet", 'q'), FLAG("help", 'h'), FLAG(NULL, 0)
-#define LAST_KEYS "jvqh"
 #define LAST_USAGE                                                                                 \
   "  -j, --json            print one JSON object instead of text\n"                                \
   "  -v, --verbose         print progress on stderr\n"                                             \
@@ -187,9 +228,11 @@ typedef struct solver_options {
 
 enum { KEY_THREADS = 900 };   /* no letter */
 enum { most_threads = 1024 }; /* of the library */
-#define SOLVER_KEYS "m:a:t:i:"
-#define SOLVER_OPTIONS                                                                             \
-  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i'),            \
+/* member: of the solver_options in the data of a command */
+#define SOLVER_OPTIONS(type, member)                                                               \
+  VALUE("method", 'm'), VALUE("accel", 'a'),                                                       \
+      ROW(A_NUMBER, "tol", 't', type, member.settings.limits.tol),                                 \
+      ROW(A_COUNT, "max-iter", 'i', type, member.settings.limits.max_iterations),                  \
       VALUE("threads", KEY_THREADS)
 
 void solver_options_init(solver_options *options, double tol);
@@ -219,7 +262,8 @@ typedef enum text_kind {
   AS_GNUPLOT, /* a string of gnuplot's, with its quotes, where no format is read (as in tics);
                  controls as blanks */
   AS_CSV,     /* a field; quotes around it where it needs them; controls as blanks */
-  AS_JSON     /* a string, with its quotes */
+  AS_JSON,    /* a string, with its quotes */
+  AS_HTML     /* text between tags, or in quotes within one; controls as blanks */
 } text_kind;
 
 /* Returns the text as it has to stand there, for use within one expression:
@@ -231,10 +275,14 @@ typedef struct quoted {
 } quoted;
 quoted quote(text_kind kind, const char *text);
 
-/* ---- report.c -------------------------------------------------------------------------------- */
+/* ---- messages.c ------------------------------------------------------------------------------ */
 
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
+ * Returns its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
+int run_command(int (*run)(int argc, char **argv), char **argv, char *why);
 
 /* Returns 1 for DLS_OK and DLS_TO_ROUNDING. */
 int is_solved(dls_status status);
@@ -331,7 +379,7 @@ int unsettled_find(unsettled *to, const dls_contact *contact, const double *r, c
 /* Prints nothing if count is 0. */
 void unsettled_print(const unsettled *from);
 
-/* ---- report.c, outcomes ---------------------------------------------------------------------- */
+/* ---- messages.c, outcomes -------------------------------------------------------------------- */
 
 /* The summary of a run, in text and in JSON. */
 typedef struct outcome {
@@ -393,6 +441,11 @@ void end_at_once(int on);
 void progress_end(void);
 /* The same of a reduction, which calls every millisecond: silent with --verbose. */
 int show_reduction(void *data, const dls_progress *progress);
+
+/* ---- scene.c --------------------------------------------------------------------------------- */
+
+/* The tolerance of the scenes of one equilibrium, unless --tol says. */
+extern const double scene_tol;
 
 /* ---- jean.c ---------------------------------------------------------------------------------- */
 
@@ -461,13 +514,24 @@ void drop_files(void);
 dls_fe_series *open_series(const char *directory);
 int close_series(dls_fe_series *series);
 
-/* Runs gnuplot on a script in the directory; returns 1 if the pictures are there, 0 after a
- * complaint. */
-int run_gnuplot(const char *directory, const char *script);
+/* Opens DIRECTORY/NAME.gp, a script for gnuplot, for what stands before begin_pictures; NULL after
+ * a complaint. */
+FILE *open_script(const char *directory, const char *name);
+
+/* Ends the script that begin_pictures has begun, and draws NAME.png and NAME.svg. Returns 2 if they
+ * are there, 1 if gnuplot has not drawn them (it complains of the first), 0 if the script could not
+ * be written. Data and script are kept. */
+int draw_script(FILE *script, const char *directory, const char *name);
 
 /* Begins the loop of a script that draws NAME.png and NAME.svg; the caller writes the plot and
  * closes the brace. */
 void begin_pictures(FILE *script, const char *name, double width, double height);
+
+/* Returns the colour of a state of contact in all pictures. */
+const char *state_colour(dls_contact_state state);
+
+/* Places the next plot of a script: its edges in parts of the picture, from the lower left. */
+void place_panel(FILE *script, double left, double right, double bottom, double top);
 
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
@@ -507,19 +571,20 @@ int draw_history(const char *directory, const char *title);
 
 /* ---- moving.c -------------------------------------------------------------------------------- */
 
-/* The options of bodies that move, their lines of --help, and the function that takes one of them;
- * OPTION_UNKNOWN for another key. */
-#define MOVING_KEYS "n:m:t:"
-#define MOVING_OPTIONS                                                                             \
-  VALUE("law", 'L'), VALUE("theta", 'T'), VALUE("mass", 'K'), VALUE("e", 'E'),                     \
-      VALUE("courant", 'C'), VALUE("steps", 'n'), VALUE("mesh", 'M'), VALUE("upper", 'U'),         \
-      VALUE("mu", 'f'), VALUE("amplitude", 'A'), VALUE("frequency", 'F'), VALUE("method", 'm'),    \
-      VALUE("tol", 't')
+/* The options of bodies that move, their lines of --help, and the function that takes some of them;
+ * OPTION_UNKNOWN for another key. member: dls_moving_settings in the data of a command. */
+enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MOVING_MESH };
+#define MOVING_OPTIONS(type, member)                                                               \
+  VALUE("law", KEY_LAW), VALUE("theta", KEY_THETA), VALUE("mass", KEY_MASS),                       \
+      ROW(A_NUMBER, "e", 0, type, member.restitution),                                             \
+      ROW(A_NUMBER, "courant", 0, type, member.courant),                                           \
+      ROW(A_COUNT, "steps", 'n', type, member.steps), VALUE("mesh", KEY_MOVING_MESH),              \
+      ROW(A_COUNT, "upper", 0, type, member.upper), ROW(A_NUMBER, "mu", 0, type, member.mu),       \
+      ROW(A_NUMBER, "amplitude", 0, type, member.amplitude),                                       \
+      ROW(A_NUMBER, "frequency", 0, type, member.frequency), VALUE("method", 'm'),                 \
+      ROW(A_NUMBER, "tol", 't', type, member.limits.tol)
 void moving_usage_options(FILE *out);
 taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
-
-/* Returns 1 if one of the arguments is the name of a scene of bodies that move. */
-int names_moving(int argc, char **argv);
 
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_moving_step(const dls_moving_data *data);
@@ -535,9 +600,6 @@ int draw_convergence(const char *directory, const char *name, double order, doub
 /* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",
  * "augmented-lagrangian", "penalty" in the equilibrium loop. Returns 0 for no method. */
 int forming_method(const char *name, dls_forming_settings *settings);
-
-/* Returns 1 if one of the arguments is the name of a forming scene. */
-int names_forming(int argc, char **argv);
 
 /* Counts the candidates that carry a reaction. */
 int count_contacts(const dls_forming_data *data);

@@ -19,7 +19,7 @@ _delassus() {
       else
         case $command in
         scene | converge) names=$(delassus help scenes 2>/dev/null) ;;
-        chart | map | profile) names=$(delassus help scenes 2>/dev/null) ;;
+        solve | info | chart | map | profile | report) names=$(delassus help scenes 2>/dev/null) ;;
         help) names="$(delassus help commands 2>/dev/null) methods scenes" ;;
         esac
       fi ;;

@@ -134,33 +134,24 @@ static int converge_scene(const char *name, const converge_options *o) {
 }
 
 static taken take_converge_option(int key, const char *text, void *data) {
-  converge_options *o = data;
-  switch (key) {
-  case 'a':
-    return parse_count("from", text, &o->from);
-  case 'b':
-    return parse_count("meshes", text, &o->meshes);
-  case 'o':
-    o->out = text;
-    return OPTION_TAKEN;
-  default:
-    return take_moving_setting(key, text, &o->settings);
-  }
+  return take_moving_setting(key, text, &((converge_options *)data)->settings);
 }
 
 int command_converge(int argc, char **argv) {
-  static const struct option options[] = {VALUE("from", 'a'), VALUE("meshes", 'b'), MOVING_OPTIONS,
-                                          VALUE("out", 'o'), LAST_OPTIONS};
-  static const command converge = {MOVING_KEYS "o:", options, converge_usage, take_converge_option,
-                                   1};
+  static const option_row options[] = {ROW(A_COUNT, "from", 0, converge_options, from),
+                                       ROW(A_COUNT, "meshes", 0, converge_options, meshes),
+                                       MOVING_OPTIONS(converge_options, settings),
+                                       ROW(A_TEXT, "out", 'o', converge_options, out),
+                                       LAST_OPTIONS};
+  static const command converge = {options, converge_usage, take_converge_option, 1};
   converge_options o = {.from = 25, .meshes = 5};
   dls_moving_settings_init(&o.settings);
   const int stop = take_options(argc, argv, &converge, &o);
   if (stop != GO_ON) return stop;
   if (o.meshes > MOST_MESHES || o.from > 100000)
     return complain("at most %d meshes, the first of at most 100000 elements", MOST_MESHES);
-  if (!names_moving(argc, argv)) {
-    if (names_a_scene(argv[optind]))
+  if (kind_among(argc, argv) != SCENE_MOVING) {
+    if (kind_of_scene(argv[optind]))
       return complain("%s: has no closed form; bar-impact, bar-bounce and bar-fixed have one",
                       argv[optind]);
     return no_scene(argv[optind]);

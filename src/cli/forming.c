@@ -77,13 +77,6 @@ int forming_method(const char *name, dls_forming_settings *settings) {
   return 1;
 }
 
-int names_forming(int argc, char **argv) {
-  for (int k = 1; k < argc; k++)
-    for (int i = 0; dls_forming_name(i); i++)
-      if (!strcmp(argv[k], dls_forming_name(i))) return 1;
-  return 0;
-}
-
 int count_contacts(const dls_forming_data *data) {
   int count = 0;
   for (int c = 0; c < data->candidates; c++)
@@ -398,71 +391,37 @@ static taken parse_at(char *text, forming_options *o) {
 static const char *const equilibrium_methods[] = {"gauss-seidel", "augmented-lagrangian", "penalty",
                                                   NULL};
 
+enum { KEY_NO_AITKEN = 256, KEY_AT };
+
 static taken take_forming_option(int key, const char *text, void *data) {
   forming_options *o = data;
-  switch (key) {
-  case 'm':
-    o->method = text;
-    if (forming_method(text, &o->settings)) return OPTION_TAKEN;
-    return no_method(text, equilibrium_methods);
-  case 'M':
-    return parse_mesh(text, &o->settings.nx, &o->settings.ny);
-  case 'n':
-    return parse_count("steps", text, &o->settings.steps);
-  case 'f':
-    return parse_number("mu", text, &o->settings.mu);
-  case 'c':
-    o->settings.clamped = 1;
-    return OPTION_TAKEN;
-  case 't':
-    return parse_number("tol", text, &o->settings.tol);
-  case 'P':
-    return parse_number("penalty", text, &o->settings.penalty);
-  case 'A':
-    return parse_count("augmentations", text, &o->settings.augmentations);
-  case 'w':
-    return parse_number("relaxation", text, &o->settings.relaxation);
-  case 'N':
-    o->settings.aitken = 0;
-    return OPTION_TAKEN;
-  case 'r':
-    return parse_number("ram-mu", text, &o->settings.ram_mu);
-  case 'S':
-    return parse_number("step-tol", text, &o->settings.step_tol);
-  case 'l':
-    return parse_number("limit", text, &o->settings.cpu_seconds);
-  case 'a':
-    return parse_at(optarg, o);
-  case 'o':
-    o->out = text;
-    return OPTION_TAKEN;
-  case 's':
-    o->save = text;
-    return OPTION_TAKEN;
-  default:
-    return OPTION_UNKNOWN;
-  }
+  if (key == KEY_AT) return parse_at(optarg, o);
+  if (key == KEY_NO_AITKEN) return o->settings.aitken = 0, OPTION_TAKEN;
+  o->method = text;
+  if (forming_method(text, &o->settings)) return OPTION_TAKEN;
+  return no_method(text, equilibrium_methods);
 }
 
 int command_forming(int argc, char **argv) {
-  static const struct option options[] = {VALUE("method", 'm'),
-                                          VALUE("mesh", 'M'),
-                                          VALUE("steps", 'n'),
-                                          VALUE("mu", 'f'),
-                                          FLAG("clamped", 'c'),
-                                          VALUE("tol", 't'),
-                                          VALUE("at", 'a'),
-                                          VALUE("out", 'o'),
-                                          VALUE("penalty", 'P'),
-                                          VALUE("augmentations", 'A'),
-                                          VALUE("relaxation", 'w'),
-                                          FLAG("no-aitken", 'N'),
-                                          VALUE("ram-mu", 'r'),
-                                          VALUE("step-tol", 'S'),
-                                          VALUE("save", 's'),
-                                          VALUE("limit", 'l'),
-                                          LAST_OPTIONS};
-  static const command forming = {"m:n:t:s:o:l:", options, forming_usage, take_forming_option, 1};
+  static const option_row options[] = {
+      VALUE("method", 'm'),
+      ROW(A_MESH, "mesh", 0, forming_options, settings.nx),
+      ROW(A_COUNT, "steps", 'n', forming_options, settings.steps),
+      ROW(A_NUMBER, "mu", 0, forming_options, settings.mu),
+      ROW(A_FLAG, "clamped", 0, forming_options, settings.clamped),
+      ROW(A_NUMBER, "tol", 't', forming_options, settings.tol),
+      VALUE("at", KEY_AT),
+      ROW(A_TEXT, "out", 'o', forming_options, out),
+      ROW(A_NUMBER, "penalty", 0, forming_options, settings.penalty),
+      ROW(A_COUNT, "augmentations", 0, forming_options, settings.augmentations),
+      ROW(A_NUMBER, "relaxation", 0, forming_options, settings.relaxation),
+      FLAG("no-aitken", KEY_NO_AITKEN),
+      ROW(A_NUMBER, "ram-mu", 0, forming_options, settings.ram_mu),
+      ROW(A_NUMBER, "step-tol", 0, forming_options, settings.step_tol),
+      ROW(A_TEXT, "save", 's', forming_options, save),
+      ROW(A_NUMBER, "limit", 'l', forming_options, settings.cpu_seconds),
+      LAST_OPTIONS};
+  static const command forming = {options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);

@@ -98,7 +98,7 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
     fputc('\n', data);
   }
   if (!close_file(data, "mesh.dat")) return 0;
-  FILE *script = open_in(directory, "mesh.gp");
+  FILE *script = open_script(directory, "mesh");
   if (!script) return 0;
   put_ranges(script, &w);
   const double wide = w.scale * (w.hi[0] - w.lo[0]), high = w.scale * (w.hi[1] - w.lo[1]);
@@ -110,13 +110,12 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
           "  plot 'mesh.dat' index 0 with filledcurves closed lc rgb '#c8c8c8', \\\n"
           "       '' index 1 with lines lc rgb '#3060a0'\n"
           "  plot 'mesh.dat' index 2 with filledcurves closed lc rgb '#c8c8c8', \\\n"
-          "       '' index 3 with lines lc rgb '#3060a0'%s\n"
-          "  unset multiplot\n  unset output\n}\n",
+          "       '' index 3 with lines lc rgb '#3060a0'%s\n",
           w.turned ? "2,1" : "1,2", quote(AS_GNUPLOT, title).text, largest,
           arrow > 0 ? ", \\\n       '' index 4 using 1:2:3:4 with vectors filled size screen "
                       "0.006,18 lw 1.2 lc rgb '#c03020'"
                     : "");
-  return close_file(script, "mesh.gp");
+  return draw_script(script, directory, "mesh");
 }
 
 /* Draws the equivalent plastic strain, mean of each element, on the deformed mesh, and tools. */
@@ -140,11 +139,11 @@ static int write_plastic(const char *directory, const char *title, const dls_for
     fputc('\n', data);
   }
   if (!close_file(data, "plastic.dat")) return 0;
-  FILE *script = open_in(directory, "plastic.gp");
+  FILE *script = open_script(directory, "plastic");
   if (!script) return 0;
   put_ranges(script, &w);
   fprintf(script,
-          "set title %s.': equivalent plastic strain'\n"
+          "set title %s.': equivalent plastic strain [-]'\n"
           "set palette defined (0 '#f4f4f4', 0.4 '#f0b060', 0.7 '#c03020', 1 '#400020')\n"
           "set cbrange [0:%g]\nset style fill solid 1 noborder\n",
           quote(AS_GNUPLOT, title).text, largest > 0 ? largest : 1);
@@ -155,21 +154,20 @@ static int write_plastic(const char *directory, const char *title, const dls_for
   begin_pictures(script, "plastic", grow * wide + (w.turned ? 120 : 220),
                  grow * high + (w.turned ? 230 : 120));
   fputs("  plot 'plastic.dat' index 0 with filledcurves closed lc rgb '#c8c8c8', \\\n"
-        "       '' index 1 using 1:2:3 with filledcurves closed fc palette\n"
-        "  unset output\n}\n",
+        "       '' index 1 using 1:2:3 with filledcurves closed fc palette\n",
         script);
-  return close_file(script, "plastic.gp");
+  return draw_script(script, directory, "plastic");
 }
 
 /* Draws pressure and shear along the surface at the end, and the pressure over the path. */
 static int write_pressure(const char *directory, const char *title, const dls_forming_data *d) {
-  FILE *script = open_in(directory, "pressure.gp");
+  FILE *script = open_script(directory, "pressure");
   if (!script) return 0;
   fprintf(script, "set xlabel '%s'\n", d->axisymmetric ? "z [mm]" : "x [mm]");
   begin_pictures(script, "pressure", 1100, 520);
   fprintf(script,
           "  set multiplot layout 1,2 title %s\n"
-          "  set key %s\n  set grid\n  set ylabel 'MPa'\n"
+          "  set key %s\n  set grid\n  set ylabel 'traction [MPa]'\n"
           "  set tmargin at screen 0.88\n  set bmargin at screen 0.14\n"
           "  set lmargin at screen 0.1\n  set rmargin at screen 0.45\n"
           "  plot 'pressure_end.dat' using 1:2 with linespoints pt 7 ps 0.5 lc rgb '#3060a0' "
@@ -181,11 +179,10 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
           "  set cblabel 'pressure [MPa]' offset 2\n  set view map\n"
           "  set palette defined (0 '#ffffff', 0.3 '#f0b060', 0.7 '#c03020', 1 '#400020')\n"
           "  set cbrange [0:*]\n"
-          "  splot 'pressure.dat' using 2:1:3 with pm3d\n"
-          "  unset multiplot\n  unset output\n}\n",
+          "  splot 'pressure.dat' using 2:1:3 with pm3d\n",
           quote(AS_GNUPLOT, title).text, d->axisymmetric ? "top left" : "top right",
           d->axisymmetric ? 100 : 10);
-  return close_file(script, "pressure.gp");
+  return draw_script(script, directory, "pressure");
 }
 
 /* Forces of independent codes for the scenes as they come: travel, lowest, highest. */
@@ -196,7 +193,7 @@ static const double force_bands[2][3][3] = {
 /* Draws the force over the displacement; as_is: 1 for a scene as it comes, beside other codes. */
 static int write_force(const char *directory, const char *title, const dls_forming_data *d,
                        int as_is) {
-  FILE *script = open_in(directory, "force.gp");
+  FILE *script = open_script(directory, "force");
   if (!script) return 0;
   fprintf(script,
           "set title %s\nset datafile separator ','\nset key %s\nset grid\n"
@@ -216,11 +213,11 @@ static int write_force(const char *directory, const char *title, const dls_formi
   begin_pictures(script, "force", 900, 600);
   fprintf(script,
           "  plot 'force.csv' every ::1 using 1:($2/1000) with lines lw 2 lc rgb '#3060a0' title "
-          "'delassus'%s\n  unset output\n}\n",
+          "'delassus'%s\n",
           as_is ? ", \\\n       $codes using 1:2:3:4 with yerrorbars pt 6 ps 1.4 lw 2 lc rgb "
                   "'#c03020' title 'band of independent codes'"
                 : "");
-  return close_file(script, "force.gp");
+  return draw_script(script, directory, "force");
 }
 
 /* Writes position, pressure and shear of the first candidates, which follow each other on the
@@ -264,13 +261,9 @@ static int write_end(const char *directory, const dls_forming_data *d) {
 
 int draw_forming(const char *directory, const char *title, const dls_forming_data *data,
                  int as_is) {
-  static const char *const scripts[] = {"mesh.gp", "plastic.gp", "pressure.gp", "force.gp"};
-  if (!write_mesh(directory, title, data) || !write_plastic(directory, title, data) ||
-      !write_end(directory, data) || !write_pressure(directory, title, data) ||
-      !write_force(directory, title, data, as_is))
-    return EXIT_BAD_INPUT;
-  /* without gnuplot the run is still good: data and scripts are there */
-  for (int k = 0; k < 4 && run_gnuplot(directory, scripts[k]); k++)
-    ;
-  return EXIT_SOLVED;
+  return write_mesh(directory, title, data) && write_plastic(directory, title, data) &&
+                 write_end(directory, data) && write_pressure(directory, title, data) &&
+                 write_force(directory, title, data, as_is)
+             ? EXIT_SOLVED
+             : EXIT_BAD_INPUT;
 }

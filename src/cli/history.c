@@ -41,11 +41,10 @@ static int history_note(void *data, const dls_progress *p) {
   return show_progress(NULL, p);
 }
 
-dls_status record_history(history *h, dls_solver *solver, const dls_contact *contact, double tol,
-                          double limit, double *r, dls_info *info, dls_error *error) {
+dls_status record_history(history *h, race *a, int k, double tol, double limit, double *r,
+                          dls_info *info, dls_error *error) {
   *h = (history){.every = 1};
   const dls_limits limits = {
       .tol = tol, .progress = history_note, .progress_data = h, .cpu_seconds = limit};
-  const dls_status status = dls_solver_set_limits(solver, &limits, error);
-  return status ? status : dls_solver_solve(solver, contact, r, NULL, info, error);
+  return race_call(a, k, &limits, r, info, error);
 }

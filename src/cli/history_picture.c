@@ -36,7 +36,7 @@ int draw_history(const char *directory, const char *title) {
   char stage[PICTURE_STAGES][32];
   const int count = read_stages(directory, stage);
   if (count < 0) return 0;
-  FILE *s = open_in(directory, "history.gp");
+  FILE *s = open_script(directory, "history");
   if (!s) return 0;
   fputs("set datafile separator ','\nset datafile missing ''\nset logscale y\n"
         "least(y) = y < 1e-17 ? 1e-17 : y\n" /* 0 on a logarithmic axis */
@@ -44,8 +44,9 @@ int draw_history(const char *directory, const char *title) {
         s);
   begin_pictures(s, "history", 1300, 560);
   fprintf(s,
-          "  set multiplot layout 1,2 title %s noenhanced\n  set key inside top right "
-          "box opaque\n  set ylabel 'residual of the certificate'\n",
+          "  set multiplot layout 1,2 title %s noenhanced\n  set key outside bottom center "
+          "horizontal\n  set xrange [0:*]\n  set bmargin 6\n  set ylabel 'residual of the "
+          "certificate'\n",
           quote(AS_GNUPLOT, title).text);
   for (int panel = 0; panel < 2; panel++) {
     fprintf(s,
@@ -62,9 +63,7 @@ int draw_history(const char *directory, const char *title) {
     }
     fputs("\n", s);
   }
-  fputs("  unset multiplot\n  unset output\n}\n", s);
-  if (!close_file(s, "history.gp")) return 0;
-  if (run_gnuplot(directory, "history.gp"))
-    (void)fprintf(stderr, "drawn: %s/history.png\n", quote(AS_SHOWN, directory).text);
-  return 1;
+  const int drawn = draw_script(s, directory, "history");
+  if (drawn == 2) (void)fprintf(stderr, "drawn: %s/history.png\n", quote(AS_SHOWN, directory).text);
+  return drawn;
 }

@@ -3,12 +3,13 @@
 #include <getopt.h>
 #include <math.h>
 
-#include "cli.h"
+#include "matrices.h"
 
 static void info_usage(FILE *out) {
   fputs(
-      "Usage: delassus info [OPTION]... FILE\n"
-      "Prints facts about a contact problem (FCLIB, local or global, or text):\n"
+      "Usage: delassus info [OPTION]... FILE|SCENE\n"
+      "  or:  delassus info [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
+      "Prints facts about a contact problem (FCLIB, local or global; text; of a scene; matrices):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
       "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
@@ -19,8 +20,9 @@ static void info_usage(FILE *out) {
       "      --sensitivity     solve, and show which gaps and loads each reaction depends on, and\n"
       "                        how it changes with friction: a table, and a map in DIR (600 rows)\n"
       "  -o, --out=DIR         folder for the map (a new one under TMPDIR, which is "
-      "printed)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
+      "printed)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n\n",
       out);
+  source_usage(out);
 }
 
 /* ---- words ----------------------------------------------------------------------------------- */
@@ -317,6 +319,7 @@ static void print_info_json(const problem *p, const dls_diagnosis *g, const trus
 /* ---- the command ----------------------------------------------------------------------------- */
 
 typedef struct info_options {
+  source from;
   int limit, sensitivity;
   const char *out;
 } info_options;
@@ -336,33 +339,26 @@ static int map_answer(const char *path, const dls_contact *contact, const char *
   return out ? show_sensitivity(path, contact, r, out, prints_text()) : EXIT_BAD_INPUT;
 }
 
-static taken take_info_option(int key, const char *text, void *data) {
-  info_options *o = data;
-  if (key == 'l') return parse_count("limit", text, &o->limit);
-  if (key != 's' && key != 'o') return OPTION_UNKNOWN;
-  if (key == 's')
-    o->sensitivity = 1;
-  else
-    o->out = text;
-  return OPTION_TAKEN;
-}
-
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {VALUE("limit", 'l'), FLAG("sensitivity", 's'),
-                                          VALUE("out", 'o'), LAST_OPTIONS};
-  static const command info = {"o:", options, info_usage, take_info_option, 1};
+  static const option_row options[] = {ROW(A_COUNT, "limit", 0, info_options, limit),
+                                       ROW(A_FLAG, "sensitivity", 0, info_options, sensitivity),
+                                       ROW(A_TEXT, "out", 'o', info_options, out),
+                                       SOURCE_OPTIONS(info_options, from), LAST_OPTIONS};
+  static const command info = {options, info_usage, NULL, 0};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;
-  const char *path = argv[optind];
+  const char *given = matrices_name(&o.from.matrices), *path = given ? given : argv[optind];
+  if (argc - optind != !given) return wrong_names(argv[0]);
   problem p = {0};
   dls_error error = {0};
   dls_diagnosis g;
   static trust t;
   int result = EXIT_SOLVED;
-  if (is_no_problem(path)) return EXIT_BAD_INPUT;
-  if (problem_load(path, 0, DLS_ON_W, &p, &error) ||
-      dls_contact_diagnose(&p.contact, o.limit, &g, &error) || find_trust(&p.contact, &t, &error))
+  if (!problem_open(path, &o.from, &p))
+    result = EXIT_BAD_INPUT;
+  else if (dls_contact_diagnose(&p.contact, o.limit, &g, &error) ||
+           find_trust(&p.contact, &t, &error))
     result = complain_of(path, &error);
   else {
     if (is_verbose()) print_reduction(stderr, &p);

@@ -7,14 +7,10 @@
 
 #include "cli.h"
 
-enum { most_columns = 24, longest_line = 8192 };
-
-/* Cuts a line of CSV into fields in place; returns their number. A field in quotes may hold commas,
- * and "" for a quote. */
-static int cut_fields(char *line, char **field) {
+int cut_fields(char *line, char **field) {
   int count = 0;
   char *at = line;
-  while (count < most_columns) {
+  while (count < MOST_FIELDS) {
     char *to = at;
     const int in_quotes = *at == '"';
     field[count++] = at;
@@ -45,7 +41,7 @@ static void print_field(const char *text) {
 
 /* Prints the rows of a table of DIRECTORY as an array of objects. */
 static int print_rows(const char *directory, const char *name) {
-  char path[PATH_ROOM], line[longest_line], head[longest_line], *column[most_columns];
+  char path[PATH_ROOM], line[LONGEST_LINE], head[LONGEST_LINE], *column[MOST_FIELDS];
   if (!join_path(path, directory, name)) return 0;
   FILE *file = fopen(path, "r");
   if (!file || !fgets(head, sizeof head, file)) {
@@ -55,7 +51,7 @@ static int print_rows(const char *directory, const char *name) {
   const int columns = cut_fields(head, column);
   fputs(",\n  \"rows\": [", stdout);
   for (int row = 0; fgets(line, sizeof line, file);) {
-    char *field[most_columns];
+    char *field[MOST_FIELDS];
     if (line[0] == '#') continue;
     const int count = cut_fields(line, field);
     fputs(row++ ? ",\n    {" : "\n    {", stdout);

@@ -15,15 +15,16 @@ static void program_usage(FILE *out) {
         "  delassus converge SCENE\n"
         "                        error of a bar that hits a wall against the length of an element\n"
         "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
-        "  delassus solve FILE   solve a problem from a file (FCLIB or text)\n"
+        "  delassus solve FILE   solve a problem from a file (FCLIB or text), or of a scene\n"
         "  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU\n"
         "                        solve a problem from the matrices of a host code\n"
         "  delassus solve --lcp M.mtx q.mtx\n"
         "                        solve an LCP given as two Matrix Market files\n"
-        "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
+        "  delassus info FILE    facts about a problem: symmetry, rank, friction bounds\n"
         "  delassus chart NAME   each method on one problem: accuracy against CPU, a picture\n"
         "  delassus map NAME...  which method works up to which friction: a picture\n"
         "  delassus profile NAME...   each method on many problems: performance profiles\n"
+        "  delassus report NAME...    a page: how accurate, fast and stable, and what is enough\n"
         "\n"
         "  delassus help [COMMAND | methods | scenes]\n"
         "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
@@ -57,18 +58,19 @@ static int blas_takes_memory(void) {
 }
 
 static int run_scene_command(int argc, char **argv) {
-  return names_forming(argc, argv)  ? command_forming(argc, argv)
-         : names_moving(argc, argv) ? command_moving(argc, argv)
-                                    : command_scene(argc, argv);
+  const scene_kind kind = kind_among(argc, argv);
+  return kind == SCENE_FORMING  ? command_forming(argc, argv)
+         : kind == SCENE_MOVING ? command_moving(argc, argv)
+                                : command_scene(argc, argv);
 }
 
 static const struct {
   const char *name;
   int (*run)(int argc, char **argv);
-} commands[] = {{"scene", run_scene_command}, {"converge", command_converge},
-                {"tables", command_tables},   {"solve", command_solve},
-                {"info", command_info},       {"chart", command_chart},
-                {"map", command_map},         {"profile", command_profile}};
+} commands[] = {
+    {"scene", run_scene_command}, {"converge", command_converge}, {"tables", command_tables},
+    {"solve", command_solve},     {"info", command_info},         {"chart", command_chart},
+    {"map", command_map},         {"profile", command_profile},   {"report", command_report}};
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 /* Returns the place of a command, -1 for none. */
@@ -86,7 +88,7 @@ static int no_command(const char *word) {
   static const char *const topics[] = {"help", "methods", "scenes", "commands"};
   for (int k = 0; k < 4; k++)
     nearest_try(&near, topics[k]);
-  if (names_a_scene(word)) return complain("'%s' is a scene: delassus scene %s", word, word);
+  if (kind_of_scene(word)) return complain("'%s' is a scene: delassus scene %s", word, word);
   if (!near.count && access(word, F_OK) == 0)
     return is_no_problem(word) ? EXIT_BAD_INPUT
                                : complain("'%s' is a file: delassus solve %s", word, word);

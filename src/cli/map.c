@@ -19,11 +19,14 @@ static void map_usage(FILE *out) {
   fputs(
       "Usage: delassus map [OPTION]... FILE|SCENE\n"
       "  or:  delassus map [OPTION]... FILE|SCENE FILE|SCENE...\n"
+      "  or:  delassus map [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
       "Shows where each method works. Columns are methods; rows are friction, or the problems if\n"
       "there are several names. The colour is the verdict; shade and number are the CPU over the\n"
-      "fastest of the row. For scenes in steps (indentation, bar-impact, ...) the axes are "
-      "friction\n"
-      "and the number of steps. Writes map.csv, map.png and map.svg; Ctrl-C draws what is done.\n"
+      "fastest of the row. A cell that meets its limit ten times over is hatched: not decided. "
+      "For\n"
+      "scenes in steps (indentation, bar-impact, ...) the axes are friction and the number of\n"
+      "steps, or with --step as above. Writes map.csv, map.png and map.svg; Ctrl-C draws what is\n"
+      "done.\n"
       "\n"
       "      --mu=FROM:TO      range of friction (0:10; forming 0:1)\n"
       "      --rows=N          number of values of friction (18; 8)\n"
@@ -33,11 +36,12 @@ static void map_usage(FILE *out) {
       "  -m, --method=METHOD   method for scenes in steps (auto)\n"
       "  -t, --tol=T           tolerance (1e-8)\n"
       "  -l, --limit=S         CPU seconds for a solve (0.3; --against 0.05), or for a cell of\n"
-      "                        scenes in steps (10)\n"
+      "                        scenes in steps (10); in need ten times as many\n"
       "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
       "printed)\n" LAST_USAGE "\n"
-      "Exit status: 0, 1 if auto failed where another method did not, 2 bad input.\n",
+      "Exit status: 0, 1 if auto failed where another method did not, 2 bad input.\n\n",
       out);
+  source_usage(out);
 }
 
 /* ---- one row --------------------------------------------------------------------------------- */
@@ -53,11 +57,11 @@ typedef struct map_run {
 } map_run;
 
 /* Races the methods on one problem and fills row `row`; *stop = 1 after Ctrl-C. */
-static dls_status map_race(map_run *m, int row, const dls_contact *contact, const map_options *o,
-                           int *stop, dls_error *error) {
+static dls_status map_race(map_run *m, int row, const dls_contact *contact, const problem *body,
+                           const map_options *o, int *stop, dls_error *error) {
   const race_plan plan = {.rungs = 1, .tol = &o->tol, .repeat = 6, .limit = o->limit, .budget = 5};
   race a = {0};
-  dls_status status = race_run(&a, contact, &plan, error);
+  dls_status status = race_run(&a, contact, body, &plan, error);
   *stop = a.interrupted;
   if (status || a.interrupted) {
     race_free(&a);
@@ -65,12 +69,12 @@ static dls_status map_race(map_run *m, int row, const dls_contact *contact, cons
   }
   const double fastest = race_fastest(&a, 0, 0);
   m->side[row] = NAN;
-  m->solved_by_auto[row] = race_trial(&a, 0, 0)->end == ENDED_SOLVED;
+  m->solved_by_auto[row] = is_answer(race_trial(&a, 0, 0)->end);
   m->failed |= isfinite(fastest) && !m->solved_by_auto[row];
   for (int k = 0; k < a.count; k++) {
     const trial *t = race_trial(&a, k, 0);
     int j = 0;
-    while (strcmp(m->who[j].name, a.who[k].name) != 0)
+    while (j < m->picture.columns && strcmp(m->who[j].name, a.who[k].name) != 0)
       j++;
     map_verdict(map_at(&m->picture, 0, row, j), t->end, t->seconds / fastest);
     fprintf(m->csv, "%s,%.9g,%s,%s,%.4e,%d,%.3e\n", quote(AS_CSV, m->picture.row[row]).text,
@@ -197,8 +201,9 @@ static dls_status add_lines(map_run *m, const dls_contact *contact, const map_op
   return DLS_OK;
 }
 
-static dls_status map_friction(map_run *m, const dls_contact *given, const map_options *o,
+static dls_status map_friction(map_run *m, const problem *body, const map_options *o,
                                dls_error *error) {
+  const dls_contact *given = &body->contact;
   double *mu = malloc((size_t)given->nc * sizeof *mu);
   dls_contact contact = *given;
   dls_status status = mu ? DLS_OK : DLS_E_MEMORY;
@@ -207,7 +212,7 @@ static dls_status map_friction(map_run *m, const dls_contact *given, const map_o
   contact.mu = mu;
   for (; done < m->picture.rows && !status && !stop; done += !stop) {
     scale_friction(given, m->mu[done], mu);
-    status = map_race(m, done, &contact, o, &stop, error);
+    status = map_race(m, done, &contact, body, o, &stop, error);
   }
   m->picture.rows = done;
   if (!status && !stop) status = add_lines(m, given, o, mu, done, error);
@@ -217,7 +222,7 @@ static dls_status map_friction(map_run *m, const dls_contact *given, const map_o
 
 /* ---- rows of problems ------------------------------------------------------------------------ */
 
-/* Fills a row for each name, the first on top. */
+/* Fills a row for each name, the first on top. DLS_E_FILE: after a complaint. */
 static dls_status map_problems(map_run *m, int count, char **names, const map_options *o,
                                const char **at, dls_error *error) {
   int stop = 0, done = 0;
@@ -225,15 +230,16 @@ static dls_status map_problems(map_run *m, int count, char **names, const map_op
   m->picture.rows = count;
   for (int i = 0; i < count && !status && !stop; i++) {
     const int row = count - 1 - i;
-    named subject = {0};
+    problem subject = {0};
     *at = names[i];
-    status = named_load(names[i], &subject, error);
-    if (!status) {
+    if (!problem_open(names[i], &o->of, &subject))
+      status = was_interrupted() ? DLS_CANCELLED : DLS_E_FILE;
+    else {
       (void)snprintf(m->picture.row[row], MAP_NAME, "%s", subject.name);
       m->mu[row] = own_friction(&subject.contact);
-      status = map_race(m, row, &subject.contact, o, &stop, error);
+      status = map_race(m, row, &subject.contact, &subject, o, &stop, error);
     }
-    named_free(&subject);
+    problem_free(&subject);
     done += !stop;
   }
   /* rows that Ctrl-C left out are the lowest */
@@ -243,31 +249,43 @@ static dls_status map_problems(map_run *m, int count, char **names, const map_op
           (size_t)(done * m->picture.columns) * sizeof *m->picture.cells);
   memmove(m->side, m->side + left, (size_t)done * sizeof m->side[0]);
   m->picture.rows = done;
-  return status;
+  return status == DLS_CANCELLED ? DLS_OK : status;
+}
+
+/* Lists the methods as columns: those that take part on one problem, all for several. */
+static void list_columns(map_run *m, const problem *alone) {
+  contender all[MOST_CONTENDERS];
+  const int count = list_contenders(all);
+  map_picture *p = &m->picture;
+  p->columns = 0;
+  for (int k = 0; k < count; k++) {
+    if (alone && !race_takes(&all[k], &alone->contact, alone)) continue;
+    m->who[p->columns] = all[k];
+    const char *name = strcmp(all[k].name, "augmented-lagrangian") ? all[k].name : "augm. L.";
+    (void)snprintf(p->column[p->columns++], MAP_NAME, "%.40s", name);
+  }
 }
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
 int map_methods(int count, char **names, map_options *o) {
   map_run *m = calloc(1, sizeof *m);
-  named subject = {0};
+  problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   dls_status status = DLS_E_MEMORY;
   const char *at = names[0];
-  char title[200], subtitle[200];
+  char title[200], subtitle[200], notes[240];
   if (!m) return complain("%s: out of memory", at);
-  m->picture = (map_picture){.title = title, .subtitle = subtitle};
+  m->picture = (map_picture){.title = title, .subtitle = subtitle, .notes = notes};
   m->picture.panels = 1;
   m->picture.x = "";
-  m->picture.columns = list_contenders(m->who);
   if (count == 1) m->picture.side = m->side;
-  m->picture.side_title = "largest reaction";
+  m->picture.side_title = "largest reaction [force]";
   m->picture.y = count > 1 ? "" : "friction";
-  for (int k = 0; k < m->picture.columns; k++)
-    (void)snprintf(m->picture.column[k], MAP_NAME, "%s",
-                   strcmp(m->who[k].name, "augmented-lagrangian") ? m->who[k].name : "augm. L.");
   m->picture.cells = calloc((size_t)MAP_ROWS * MAP_COLUMNS, sizeof *m->picture.cells);
-  if (m->picture.cells) status = count > 1 ? DLS_OK : named_load(at, &subject, &error);
+  if (m->picture.cells)
+    status = count > 1 || problem_open(at, &o->of, &subject) ? DLS_OK : DLS_E_FILE;
+  if (!status) list_columns(m, count > 1 ? NULL : &subject);
   /* the files complain by themselves */
   if (!status && (o->out = take_folder(o->out, "map", count > 1 ? NULL : at)) &&
       (m->csv = open_in(o->out, "map.csv"))) {
@@ -278,7 +296,7 @@ int map_methods(int count, char **names, map_options *o) {
       (void)snprintf(title, sizeof title, "Who solves what: %d problem%s", m->picture.rows,
                      plural(m->picture.rows));
     } else {
-      status = map_friction(m, &subject.contact, o, &error);
+      status = map_friction(m, &subject, o, &error);
       (void)snprintf(title, sizeof title, "%s: who solves it, friction by friction", subject.name);
     }
     (void)snprintf(subtitle, sizeof subtitle,
@@ -286,13 +304,17 @@ int map_methods(int count, char **names, map_options *o) {
                    "the row",
                    o->tol);
   }
+  (void)snprintf(notes, sizeof notes,
+                 "measured: CPU of each solve. Hatched, not decided: no verdict in %g s of CPU (or "
+                 "300 times the fastest), or in ten times the method's iterations",
+                 map_longer * o->limit);
   int result = EXIT_BAD_INPUT;
-  if (status)
+  if (status && status != DLS_E_FILE)
     (void)complain_of(at, &error);
-  else if (m->csv && close_file(m->csv, "map.csv"))
+  else if (!status && m->csv && close_file(m->csv, "map.csv"))
     result = draw_map(&m->picture);
   if (result == EXIT_SOLVED && m->failed) result = EXIT_NOT_SOLVED;
-  named_free(&subject);
+  problem_free(&subject);
   free(m->picture.cells);
   free(m);
   return end_table(result, "auto fails where another method does not", "map", o->out, "map.csv");
@@ -309,56 +331,43 @@ static taken take_range(const char *text, map_options *o) {
 
 static taken take_map_option(int key, const char *text, void *data) {
   map_options *o = data;
-  switch (key) {
-  case 'u':
-    return take_range(text, o);
-  case 'n':
-    return parse_count("rows", text, &o->rows);
-  case 's':
-    return parse_count("samples", text, &o->samples);
-  case 't':
-    return parse_number("tol", text, &o->tol);
-  case 'l':
-    return parse_number("limit", text, &o->limit);
-  case 'a':
-    o->against = text;
-    return OPTION_TAKEN;
-  case 'm':
-    o->method = text;
-    return OPTION_TAKEN;
-  case 'o':
-    o->out = text;
-    return OPTION_TAKEN;
-  default:
-    return OPTION_UNKNOWN;
-  }
+  (void)key; /* --mu alone */
+  if (strchr(text, ':')) return take_range(text, o);
+  o->of.matrices.mu = text;
+  return OPTION_TAKEN;
 }
 
 int command_map(int argc, char **argv) {
-  static const struct option options[] = {
-      VALUE("mu", 'u'),      VALUE("rows", 'n'), VALUE("against", 'a'),
-      VALUE("samples", 's'), VALUE("tol", 't'),  VALUE("limit", 'l'),
-      VALUE("method", 'm'),  VALUE("out", 'o'),  LAST_OPTIONS};
-  static const command map = {"t:l:m:o:", options, map_usage, take_map_option, 0};
+  static const option_row options[] = {VALUE("mu", 256),
+                                       ROW(A_COUNT, "rows", 0, map_options, rows),
+                                       ROW(A_TEXT, "against", 0, map_options, against),
+                                       ROW(A_COUNT, "samples", 0, map_options, samples),
+                                       ROW(A_NUMBER, "tol", 't', map_options, tol),
+                                       ROW(A_NUMBER, "limit", 'l', map_options, limit),
+                                       ROW(A_TEXT, "method", 'm', map_options, method),
+                                       ROW(A_TEXT, "out", 'o', map_options, out),
+                                       SOURCE_OPTIONS(map_options, of),
+                                       LAST_OPTIONS};
+  static const command map = {options, map_usage, take_map_option, 0};
   map_options o = {.to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_names(argv[0]);
-  const int count = leave_lcps(argc - optind, argv + optind);
+  int count = argc - optind;
+  char **names = source_names(&count, argv, &o.of);
+  if (!names) return EXIT_BAD_INPUT;
   if (count == 0) return EXIT_SOLVED;
   if (count > MAP_ROWS) return complain("map: at most %d names", MAP_ROWS);
+  if (o.of.matrices.mu && !matrices_name(&o.of.matrices))
+    return take_range(o.of.matrices.mu, &o), EXIT_BAD_INPUT;
   watch_interrupt();
-  const int moves = names_moving(argc, argv);
-  if (moves || names_forming(argc, argv)) {
-    if (count > 1) return complain("map: a scene in steps stands alone");
-    if (o.against && strcmp(o.against, "mesh") != 0)
-      return complain("--against: scenes in steps take mesh");
-    return map_steps(argv[optind], &o, moves);
-  }
+  const scene_kind kind = kind_among(argc, argv);
+  if (kind >= SCENE_FORMING && !o.of.step && count == 1 &&
+      (!o.against || !strcmp(o.against, "mesh")))
+    return map_steps(names[0], &o, kind == SCENE_MOVING);
   if (o.against) {
     if (count > 1) return complain("--against: takes one name");
-    return map_against(argv[optind], &o);
+    return map_against(names[0], &o);
   }
   if (o.limit < 0) o.limit = solve_limit;
-  return map_methods(count, argv + optind, &o);
+  return map_methods(count, names, &o);
 }

@@ -9,6 +9,7 @@ enum { MAP_ROWS = 80, MAP_COLUMNS = 16, MAP_LINES = 8, MAP_NAME = 96 };
 /* A cell; an empty colour leaves it out. */
 typedef struct map_cell {
   char colour[8];
+  int hatched; /* 1: not decided */
   char text[20];
 } map_cell;
 
@@ -40,8 +41,8 @@ map_cell *map_at(const map_picture *p, int panel, int row, int column);
  * many times the fastest of the row it took. */
 void map_verdict(map_cell *cell, ending e, double times_fastest);
 
-/* Sets the cell of a share, 0 to 1. */
-void map_share(map_cell *cell, double share);
+/* Sets the cell of a share, 0 to 1; hatched = 1: not all of it is decided. */
+void map_share(map_cell *cell, double share, int hatched);
 
 /* Fills mu with rows values from `from` to `to`: 0 if from is 0, then in equal ratios. */
 void spread_friction(double from, double to, int rows, double *mu);
@@ -53,6 +54,7 @@ int draw_map(const map_picture *p);
 /* ---- the maps -------------------------------------------------------------------------------- */
 
 typedef struct map_options {
+  source of;
   double from, to; /* friction; to < 0: the map's own */
   int rows;        /* of friction; 0: the map's own */
   double tol, limit;
@@ -61,6 +63,8 @@ typedef struct map_options {
   const char *method;  /* of scenes that go in steps */
   const char *out;     /* NULL: a new folder */
 } map_options;
+
+enum { map_longer = 10 }; /* times its limit that a cell may take before it is not decided */
 
 int map_methods(int count, char **names, map_options *o);
 int map_against(const char *name, map_options *o); /* map_against.c */

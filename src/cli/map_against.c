@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "map.h"
 
 enum { AGAINST_ROWS = 7, AGAINST_COLUMNS = 7, against_rows_most = 150 };
@@ -49,44 +50,17 @@ typedef struct base {
   double *W;          /* m x m, scaled to unit diagonal blocks */
   double *V, *values; /* its symmetric part's eigenvectors and values, falling */
   double *damaged;    /* m x m */
+  double *work;       /* 3 m */
 } base;
 
-/* Turns rows and columns p and q of the symmetric A so that A_pq = 0, and the columns of V. */
-static void jacobi_turn(int m, double *A, double *V, int p, int q) {
-  const double apq = A[p + q * m];
-  if (apq == 0) return;
-  const double theta = (A[q + q * m] - A[p + p * m]) / (2 * apq);
-  const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
-  const double c = 1 / sqrt(t * t + 1), s = t * c;
-  for (int k = 0; k < m; k++) {
-    const double x = A[k + p * m], y = A[k + q * m];
-    A[k + p * m] = c * x - s * y;
-    A[k + q * m] = s * x + c * y;
-  }
-  for (int k = 0; k < m; k++) {
-    const double x = A[p + k * m], y = A[q + k * m], v = V[k + p * m], w = V[k + q * m];
-    A[p + k * m] = c * x - s * y;
-    A[q + k * m] = s * x + c * y;
-    V[k + p * m] = c * v - s * w;
-    V[k + q * m] = s * v + c * w;
-  }
-}
-
-/* Finds eigenvectors and eigenvalues by Jacobi's rotations, ten rounds of all pairs: each takes the
- * rest outside of the diagonal down quadratically. A: destroyed. */
-static void jacobi(int m, double *A, double *V, double *values) {
-  for (int k = 0; k < m * m; k++)
-    V[k] = k % m == k / m;
-  for (int round = 0; round < 10; round++)
-    for (int p = 0; p < m; p++)
-      for (int q = p + 1; q < m; q++)
-        jacobi_turn(m, A, V, p, q);
-  for (int i = 0; i < m; i++)
-    values[i] = A[i + i * m];
-  for (int i = 0; i < m; i++) { /* the largest first */
-    int at = i;
-    for (int j = i + 1; j < m; j++)
-      if (values[j] > values[at]) at = j;
+/* Finds eigenvectors V and eigenvalues of the symmetric A, the largest first. work: 3 m. */
+static void find_spectrum(int m, const double *A, double *V, double *values, double *work) {
+  const int room = 3 * m;
+  int info = 0;
+  memcpy(V, A, (size_t)m * (size_t)m * sizeof *V);
+  dsyev_("V", "L", &m, V, &m, values, work, &room, &info, 1, 1);
+  for (int i = 0; i < m / 2; i++) {
+    const int at = m - 1 - i;
     const double value = values[i];
     values[i] = values[at];
     values[at] = value;
@@ -119,7 +93,7 @@ static dls_status base_fill(base *b, const dls_contact *c, dls_error *error) {
     b->W[k] *= b->values[k % m / d] * b->values[k / m / d];
   for (int k = 0; k < m * m; k++)
     b->damaged[k] = (b->W[k] + b->W[k / m + k % m * m]) / 2;
-  jacobi(m, b->damaged, b->V, b->values);
+  find_spectrum(m, b->damaged, b->V, b->values, b->work);
   return DLS_OK;
 }
 
@@ -192,7 +166,7 @@ typedef struct against {
 static dls_status against_cell(against *a, const dls_contact *given, int row, int column, double mu,
                                const map_options *o, FILE *csv, dls_error *error) {
   const int m = a->base.m;
-  int solved[MOST_CONTENDERS] = {0};
+  int solved[MOST_CONTENDERS] = {0}, open[MOST_CONTENDERS] = {0};
   const race_plan plan = {.rungs = 1,
                           .tol = &o->tol,
                           .repeat = 1,
@@ -207,18 +181,21 @@ static dls_status against_cell(against *a, const dls_contact *given, int row, in
     const dls_contact p = {
         .d = given->d, .nc = given->nc, .W = {m, m, m, a->base.damaged}, .q = a->q, .mu = a->mu};
     race it = {0};
-    const dls_status status = race_run(&it, &p, &plan, error);
+    const dls_status status = race_run(&it, &p, NULL, &plan, error);
     for (int k = 0; k < it.count && !status; k++)
-      for (int j = 0; j < a->picture.panels; j++)
-        solved[j] +=
-            !strcmp(a->who[j].name, it.who[k].name) && race_trial(&it, k, 0)->end == ENDED_SOLVED;
+      for (int j = 0; j < a->picture.panels; j++) {
+        if (strcmp(a->who[j].name, it.who[k].name) != 0) continue;
+        solved[j] += race_trial(&it, k, 0)->end == ENDED_SOLVED;
+        open[j] += race_trial(&it, k, 0)->end == ENDED_UNDECIDED;
+      }
     race_free(&it);
     if (status || was_interrupted()) return status;
   }
   for (int j = 0; j < a->picture.panels; j++) {
     const double share = (double)solved[j] / o->samples;
-    map_share(map_at(&a->picture, j, row, column), share);
-    fprintf(csv, "%.9g,%g,%s,%g\n", mu, damages[a->kind].value[column], a->who[j].name, share);
+    map_share(map_at(&a->picture, j, row, column), share, open[j] > 0);
+    fprintf(csv, "%.9g,%g,%s,%g,%g\n", mu, damages[a->kind].value[column], a->who[j].name, share,
+            (double)open[j] / o->samples);
   }
   return DLS_OK;
 }
@@ -228,7 +205,7 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
                                dls_error *error) {
   const size_t m = (size_t)a->base.m;
   double mu[MAP_ROWS];
-  double *room = malloc((3 * m * m + 4 * m) * sizeof *room);
+  double *room = malloc((3 * m * m + 7 * m) * sizeof *room);
   FILE *csv = room ? open_in(o->out, "map.csv") : NULL;
   dls_status status = csv ? DLS_OK : room ? DLS_E_FILE : DLS_E_MEMORY;
   a->base.W = room;
@@ -239,7 +216,8 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
     a->mu = a->base.values + m;
     a->r = a->mu + m;
     a->q = a->r + m;
-    fprintf(csv, "mu,%s,method,share\n", damages[a->kind].name);
+    a->base.work = a->q + m;
+    fprintf(csv, "mu,%s,method,share,not_decided\n", damages[a->kind].name);
     status = base_fill(&a->base, given, error);
     spread_friction(o->from > 0 ? o->from : 0.1, o->to < 0 ? 10 : o->to, a->picture.rows, mu);
     for (int i = 0; i < a->picture.rows; i++)
@@ -265,25 +243,30 @@ static int find_damage(const char *name, damage *kind) {
 
 int map_against(const char *name, map_options *o) {
   against a = {0};
-  char title[200], subtitle[200];
-  named subject = {0};
+  char title[200], subtitle[200], notes[200];
+  problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
   if (!find_damage(o->against, &a.kind))
     return complain(
         "--against: '%s' is none of condition, rank, skew (and mesh, of scenes in steps)",
         o->against);
-  dls_status status = named_load(name, &subject, &error);
+  dls_status status = DLS_OK;
+  if (!problem_open(name, &o->of, &subject)) {
+    problem_free(&subject);
+    return end_command(was_interrupted() ? EXIT_NOT_SOLVED : EXIT_BAD_INPUT, NULL);
+  }
   a.base.m = subject.contact.d * subject.contact.nc;
-  if (!status && a.base.m > against_rows_most) {
-    result = complain("--against: %s has %d rows, more than %d", name, a.base.m, against_rows_most);
-    named_free(&subject);
-    return result;
+  if (a.base.m > against_rows_most) {
+    problem_free(&subject);
+    return complain("--against: %s has %d rows, more than %d", name, a.base.m, against_rows_most);
   }
   map_picture *p = &a.picture;
-  *p = (map_picture){.title = title, .subtitle = subtitle, .y = "friction"};
+  *p = (map_picture){.title = title, .subtitle = subtitle, .y = "friction", .notes = notes};
   p->x = damages[a.kind].label;
-  p->panels = list_contenders(a.who);
+  contender all[MOST_CONTENDERS];
+  for (int k = 0, count = list_contenders(all); k < count; k++)
+    if (race_takes(&all[k], &subject.contact, NULL)) a.who[p->panels++] = all[k];
   p->rows = o->rows && o->rows <= MAP_ROWS ? o->rows : AGAINST_ROWS;
   p->columns = AGAINST_COLUMNS;
   for (int k = 0; k < p->panels; k++)
@@ -298,7 +281,12 @@ int map_against(const char *name, map_options *o) {
   (void)snprintf(subtitle, sizeof subtitle,
                  "numbers: per cent of %d random loads that have a solution, solved to %.0e",
                  o->samples, o->tol);
-  if (status || !p->cells)
+  (void)snprintf(
+      notes, sizeof notes,
+      "measured. Hatched: some of the loads are not decided in %g s of CPU, or in ten times the "
+      "method's iterations",
+      map_longer * (o->limit < 0 ? against_limit : o->limit));
+  if (!p->cells)
     (void)complain_of(name, &error);
   else if ((o->out = take_folder(o->out, "map", name))) {
     p->directory = o->out;
@@ -309,6 +297,6 @@ int map_against(const char *name, map_options *o) {
       (void)complain_of(name, &error);
   }
   free(p->cells);
-  named_free(&subject);
+  problem_free(&subject);
   return end_table(result, NULL, "map", o->out, "map.csv");
 }

@@ -29,6 +29,7 @@ static void shade(map_cell *cell, const char *colour, double part) {
 }
 
 void map_verdict(map_cell *cell, ending e, double times_fastest) {
+  cell->hatched = e == ENDED_UNDECIDED;
   if (e != ENDED_SOLVED) {
     shade(cell, ending_colour(e), 1);
     (void)snprintf(cell->text, sizeof cell->text, "%s", ending_word(e));
@@ -40,7 +41,8 @@ void map_verdict(map_cell *cell, ending e, double times_fastest) {
                  times_fastest);
 }
 
-void map_share(map_cell *cell, double share) {
+void map_share(map_cell *cell, double share, int hatched) {
+  cell->hatched = hatched;
   if (share >= 0.5)
     shade(cell, ending_colour(ENDED_SOLVED), 2 * share - 1);
   else
@@ -59,15 +61,16 @@ static const char *ink(const char *colour) {
 static int write_map_data(const map_picture *p) {
   FILE *file = open_in(p->directory, "map.dat");
   if (!file) return 0;
-  fputs("# a block for each panel: column row colour ink text; then: side row\n", file);
+  fputs("# a block for each panel: column row colour ink text hatched; then: side row\n", file);
   for (int k = 0; k < p->panels; k++) {
-    fputs("-9 -9 0xffffff 0xffffff x\n", file); /* keeps a block of no rows */
+    fputs("-9 -9 0xffffff 0xffffff x 0\n-9 -9 0xffffff 0xffffff x 1\n",
+          file); /* keeps a block of no rows */
     for (int i = 0; i < p->rows; i++)
       for (int j = 0; j < p->columns; j++) {
         const map_cell *c = map_at(p, k, i, j);
         if (c->colour[0])
-          fprintf(file, "%d %d 0x%s 0x%s \"%s\"\n", j, i, c->colour + 1, ink(c->colour) + 1,
-                  c->text);
+          fprintf(file, "%d %d 0x%s 0x%s \"%s\" %d\n", j, i, c->colour + 1, ink(c->colour) + 1,
+                  c->text, c->hatched);
       }
     fputs("\n\n", file);
   }
@@ -92,7 +95,9 @@ static layout lay_out(const map_picture *p) {
   for (int k = 0; k < p->panels * p->rows * p->columns; k++)
     if (strlen(p->cells[k].text) > widest) widest = strlen(p->cells[k].text);
   const int many = p->panels > 1;
-  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8 * (double)widest),
+  for (int j = 0; j < p->columns && !many; j++)
+    if (strlen(p->column[j]) > widest) widest = strlen(p->column[j]);
+  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8.4 * (double)widest),
               .cell_h = many           ? 26
                         : p->rows > 24 ? 22
                                        : 31};
@@ -112,10 +117,7 @@ static layout lay_out(const map_picture *p) {
 
 static void set_pixels(FILE *s, const layout *l, double left, double right, double top,
                        double bottom) {
-  fprintf(s,
-          "  set lmargin at screen %.5f\n  set rmargin at screen %.5f\n"
-          "  set tmargin at screen %.5f\n  set bmargin at screen %.5f\n",
-          left / l->width, right / l->width, 1 - top / l->height, 1 - bottom / l->height);
+  place_panel(s, left / l->width, right / l->width, 1 - bottom / l->height, 1 - top / l->height);
 }
 
 /* Names every row and column. Rows have the names of files, which tics would take as formats of
@@ -130,7 +132,7 @@ static void write_names(FILE *s, const map_picture *p, const layout *l, double l
           (left - l->left + 20) / l->width, 1 - (top + p->rows * l->cell_h / 2) / l->height);
   for (int j = 0; j < p->columns; j++)
     fprintf(s, "%s%s %d", j ? ", " : "", quote(AS_GNUPLOT, p->column[j]).text, j);
-  fprintf(s, ") noenhanced font ',%d'\n", p->panels > 1 ? 10 : 12);
+  fprintf(s, ") noenhanced font ',%d'\n", p->panels > 1 ? 10 : 11);
 }
 
 static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int k) {
@@ -154,9 +156,12 @@ static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int 
   fprintf(
       s,
       "  plot 'map.dat' index %d using 1:2:(0.49):(0.47):3 with boxxyerror fs solid noborder lc "
-      "rgb variable, \\\n       '' index %d using 1:2:5:4 with labels font ',%d' tc rgb "
-      "variable\n  unset arrow\n",
-      k, k, p->panels > 1 ? 9 : 11);
+      "rgb variable, \\\n       '' index %d using ($6 > 0 ? $1 : NaN):2:(0.49):(0.47) with "
+      "boxxyerror "
+      "fs "
+      "transparent pattern 4 noborder lc rgb '#909090', \\\n       '' index %d using 1:2:5:4 with "
+      "labels font ',%d' tc rgb variable\n  unset arrow\n",
+      k, k, k, p->panels > 1 ? 9 : 11);
 }
 
 static int by_row(const void *a, const void *b) {
@@ -205,7 +210,7 @@ static void write_side(FILE *s, const map_picture *p, const layout *l) {
 }
 
 static int write_map_script(const map_picture *p) {
-  FILE *s = open_in(p->directory, "map.gp");
+  FILE *s = open_script(p->directory, "map");
   if (!s) return 0;
   const layout l = lay_out(p);
   fputs("set datafile missing 'NaN'\nset key off\n", s);
@@ -226,15 +231,27 @@ static int write_map_script(const map_picture *p) {
   for (int k = 0; k < p->panels; k++)
     write_map_panel(s, p, &l, k);
   if (p->side) write_side(s, p, &l);
-  fputs("  unset multiplot\n  unset output\n}\n", s);
-  return close_file(s, "map.gp");
+  return draw_script(s, p->directory, "map");
+}
+
+/* Takes out the columns of a panel in which no cell is filled. */
+static void drop_columns(map_picture *p) {
+  const int columns = p->columns;
+  int kept = 0, filled[MAP_COLUMNS] = {0};
+  for (int k = 0; k < p->rows * columns; k++)
+    filled[k % columns] |= p->cells[k].colour[0] != 0;
+  for (int j = 0; j < columns; j++)
+    if (filled[j]) memmove(p->column[kept++], p->column[j], MAP_NAME);
+  p->columns = kept;
+  for (int k = 0, to = 0; k < p->rows * columns; k++)
+    if (filled[k % columns]) p->cells[to++] = p->cells[k];
 }
 
 int draw_map(const map_picture *given) {
   map_picture p = *given;
+  if (p.panels == 1 && p.rows) drop_columns(&p);
   qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
-  if (!write_map_data(&p) || !write_map_script(&p)) return EXIT_BAD_INPUT;
-  if (run_gnuplot(p.directory, "map.gp"))
-    tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
-  return EXIT_SOLVED;
+  const int drawn = write_map_data(&p) ? write_map_script(&p) : 0;
+  if (drawn == 2) tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
+  return drawn ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

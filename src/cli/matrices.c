@@ -25,30 +25,6 @@ struct matrices {
 
 /* ---- options --------------------------------------------------------------------------------- */
 
-taken take_matrix_option(int key, const char *text, matrix_options *o) {
-  const char **const path[] = {&o->stiffness, &o->flexibility, &o->W,    &o->H, &o->HN,
-                               &o->HT,        &o->nodes,       &o->f,    &o->q, &o->g,
-                               &o->mu,        &o->weights,     &o->modes};
-  if (key >= KEY_STIFFNESS && key < KEY_DIM) {
-    *path[key - KEY_STIFFNESS] = text;
-    return OPTION_TAKEN;
-  }
-  if (key == KEY_STABILIZE) {
-    o->stabilize = 1;
-    return OPTION_TAKEN;
-  }
-  if (key == KEY_ON) {
-    o->on = strcmp(text, "K") == 0 ? DLS_ON_K : strcmp(text, "W") == 0 ? DLS_ON_W : DLS_ON_EITHER;
-    if (o->on != DLS_ON_EITHER) return OPTION_TAKEN;
-    complain("--on: '%s' is not W or K", text);
-    return OPTION_WRONG;
-  }
-  if (key != KEY_DIM) return OPTION_UNKNOWN;
-  if (parse_count("dim", text, &o->dim) == OPTION_TAKEN && o->dim <= 3) return OPTION_TAKEN;
-  complain("--dim: '%s' is not 1, 2 or 3", text);
-  return OPTION_WRONG;
-}
-
 const char *matrices_name(const matrix_options *o) {
   return o->stiffness ? o->stiffness : o->flexibility ? o->flexibility : o->W;
 }
@@ -89,7 +65,9 @@ void matrices_usage(FILE *out) {
 static int check_matrices(const matrix_options *o) {
   const int operators = (o->stiffness != NULL) + (o->flexibility != NULL) + (o->W != NULL);
   const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes != NULL);
-  if (operators != 1)
+  if (o->dim > 3)
+    complain("--dim: %d is not 1, 2 or 3", o->dim);
+  else if (operators != 1)
     complain("give one of --stiffness, --flexibility and --W");
   else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize ||
                     o->on == DLS_ON_K))
@@ -516,26 +494,6 @@ static int load_modes(const char *path, struct matrices *own, dls_model *model) 
   return good;
 }
 
-static int condense(const matrix_options *o, problem *p) {
-  dls_error error = {0};
-  dls_reduction_settings settings;
-  dls_reduction_settings_init(&settings);
-  settings.on = o->on;
-  settings.allow_indefinite = 1;
-  settings.stabilize = o->stabilize;
-  settings.progress = show_reduction;
-  const double start = cpu_seconds();
-  dls_status status = dls_reduction_create_either(&p->reduction, &p->model, &settings, &error);
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, &error);
-  if (!status) status = problem_take_contact(p, &error);
-  p->reduction_cpu_seconds = cpu_seconds() - start;
-  if (status >= 0) return !status; /* or cancelled */
-  (void)complain_of(matrices_name(o), &error);
-  if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
-    (void)complain("without --on=W and with --method=auto, the problem is solved on K");
-  return 0;
-}
-
 /* ---- the problem ----------------------------------------------------------------------------- */
 
 int matrices_load(const matrix_options *o, problem *p) {
@@ -572,7 +530,15 @@ int matrices_load(const matrix_options *o, problem *p) {
   p->f = own->f;
   p->g = own->g;
   p->mu = own->mu;
-  return condense(o, p);
+  return 1;
+}
+
+void source_usage(FILE *out) {
+  fputs(
+      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
+      "                        the most contacts that touch)\n\n",
+      out);
+  matrices_usage(out);
 }
 
 void matrices_free(struct matrices *own) {

@@ -12,38 +12,9 @@ typedef struct matrix_options {
   const char *f, *q, *g, *mu; /* g, mu: a number or a file */
   const char *weights, *modes;
   int dim, stabilize;
-  dls_on on; /* with any method but auto: DLS_ON_W */
+  const char *where; /* --on */
+  dls_on on;         /* with any method but auto: DLS_ON_W */
 } matrix_options;
-
-/* Keys of the options, beyond all characters. */
-enum {
-  KEY_STIFFNESS = 256,
-  KEY_FLEXIBILITY,
-  KEY_W,
-  KEY_H,
-  KEY_HN,
-  KEY_HT,
-  KEY_NODES,
-  KEY_F,
-  KEY_Q,
-  KEY_G,
-  KEY_MU,
-  KEY_WEIGHTS,
-  KEY_MODES,
-  KEY_DIM,
-  KEY_STABILIZE,
-  KEY_ON
-};
-
-#define MATRIX_OPTIONS                                                                             \
-  VALUE("stiffness", KEY_STIFFNESS), VALUE("flexibility", KEY_FLEXIBILITY), VALUE("W", KEY_W),     \
-      VALUE("H", KEY_H), VALUE("HN", KEY_HN), VALUE("HT", KEY_HT), VALUE("nodes", KEY_NODES),      \
-      VALUE("f", KEY_F), VALUE("q", KEY_Q), VALUE("g", KEY_G), VALUE("mu", KEY_MU),                \
-      VALUE("weights", KEY_WEIGHTS), VALUE("modes", KEY_MODES), VALUE("dim", KEY_DIM),             \
-      FLAG("stabilize", KEY_STABILIZE), VALUE("on", KEY_ON)
-
-/* Takes one of MATRIX_OPTIONS; OPTION_UNKNOWN for another key. */
-taken take_matrix_option(int key, const char *text, matrix_options *options);
 
 /* Returns the file that names the problem: K, K^-1 or W; NULL if no matrix is given. */
 const char *matrices_name(const matrix_options *options);
@@ -54,7 +25,40 @@ int matrices_given(const matrix_options *options);
 /* Prints the part of --help. */
 void matrices_usage(FILE *out);
 
-/* Reads all files and condenses them. Returns 1, or 0 after a complaint; free p in both cases. */
+/* Reads all files: sets p->model, f, g and mu, or p->contact from --W. Returns 1, or 0 after a
+ * complaint; free p in both cases. */
 int matrices_load(const matrix_options *options, problem *p);
+
+/* The problem that a command is asked for, beside its name. Start from {0}. */
+typedef struct source {
+  matrix_options matrices;
+  int step;   /* of a scene in steps; 0: the last with the most contacts that touch */
+  int solves; /* 1: for solve, which takes a problem on K and rigid bodies as they are */
+} source;
+
+/* The rows of the options; member: the source in the data of a command. */
+#define SOURCE_OPTIONS(type, member)                                                               \
+  ROW(A_TEXT, "stiffness", 0, type, member.matrices.stiffness),                                    \
+      ROW(A_TEXT, "flexibility", 0, type, member.matrices.flexibility),                            \
+      ROW(A_TEXT, "W", 0, type, member.matrices.W), ROW(A_TEXT, "H", 0, type, member.matrices.H),  \
+      ROW(A_TEXT, "HN", 0, type, member.matrices.HN),                                              \
+      ROW(A_TEXT, "HT", 0, type, member.matrices.HT),                                              \
+      ROW(A_TEXT, "nodes", 0, type, member.matrices.nodes),                                        \
+      ROW(A_TEXT, "f", 0, type, member.matrices.f), ROW(A_TEXT, "q", 0, type, member.matrices.q),  \
+      ROW(A_TEXT, "g", 0, type, member.matrices.g),                                                \
+      ROW(A_TEXT, "mu", 0, type, member.matrices.mu),                                              \
+      ROW(A_TEXT, "weights", 0, type, member.matrices.weights),                                    \
+      ROW(A_TEXT, "modes", 0, type, member.matrices.modes),                                        \
+      ROW(A_COUNT, "dim", 0, type, member.matrices.dim),                                           \
+      ROW(A_FLAG, "stabilize", 0, type, member.matrices.stabilize),                                \
+      ROW(A_TEXT, "on", 0, type, member.matrices.where),                                           \
+      ROW(A_COUNT, "step", 0, type, member.step)
+
+/* problem.c: returns the names that a command of contact problems is given, the *count after the
+ * options: one of a matrix, or those of files and scenes; it leaves LCPs out, which methods for
+ * contact do not take, with a line on stderr for each. NULL after a complaint. */
+char **source_names(int *count, char **argv, const source *from);
+
+void source_usage(FILE *out);
 
 #endif

@@ -52,13 +52,6 @@ static void moving_usage(FILE *out) {
         out);
 }
 
-int names_moving(int argc, char **argv) {
-  for (int k = 1; k < argc; k++)
-    for (int i = 0; dls_moving_name(i); i++)
-      if (!strcmp(argv[k], dls_moving_name(i))) return 1;
-  return 0;
-}
-
 /* ---- options --------------------------------------------------------------------------------- */
 
 static const char *const law_names[] = {"velocity", "gap", "path"}; /* from 1 */
@@ -91,39 +84,23 @@ static taken moving_method(const char *text, dls_moving_settings *s) {
 taken take_moving_setting(int key, const char *text, dls_moving_settings *s) {
   int word;
   switch (key) {
-  case 'L':
+  case KEY_LAW:
     word = moving_word("law", text, law_names, 3);
     s->law = (dls_motion_law)word;
     return word ? OPTION_TAKEN : OPTION_WRONG;
-  case 'K':
+  case KEY_MASS:
     word = moving_word("mass", text, mass_names, 2);
     s->mass = (dls_fe_mass_kind)word;
     return word ? OPTION_TAKEN : OPTION_WRONG;
-  case 'T':
+  case KEY_THETA:
     if (!parse_number("theta", text, &s->theta)) return OPTION_WRONG;
     if (s->theta >= 0.5 && s->theta <= 1) return OPTION_TAKEN;
     complain("--theta: '%s' is not in .5 .. 1", text);
     return OPTION_WRONG;
-  case 'E':
-    return parse_number("e", text, &s->restitution);
-  case 'C':
-    return parse_number("courant", text, &s->courant);
-  case 'n':
-    return parse_count("steps", text, &s->steps);
-  case 'M':
+  case KEY_MOVING_MESH:
     return moving_mesh(text, s);
-  case 'U':
-    return parse_count("upper", text, &s->upper);
-  case 'f':
-    return parse_number("mu", text, &s->mu);
-  case 'A':
-    return parse_number("amplitude", text, &s->amplitude);
-  case 'F':
-    return parse_number("frequency", text, &s->frequency);
   case 'm':
     return moving_method(text, s);
-  case 't':
-    return parse_number("tol", text, &s->limits.tol);
   default:
     return OPTION_UNKNOWN;
   }
@@ -239,8 +216,17 @@ static int write_series(const moving_files *f, const char *directory, const dls_
   if (!join_path(path, directory, name)) return 0;
   double *stress = malloc(3 * (size_t)elements * sizeof *stress);
   if (!stress) return complain("%s: out of memory", path), 0;
+  const dls_fe_fields fields = {.displacement = d->displacement,
+                                .reaction = d->reaction,
+                                .stress = stress,
+                                .nu = d->nu,
+                                .candidates = d->candidates,
+                                .node = d->candidate_node,
+                                .state = d->state.state,
+                                .gap = d->state.gap,
+                                .slip = d->state.slip};
   const int bad = dls_fe_stress(d->mesh, d->E, d->nu, d->displacement, stress, &error) ||
-                  dls_fe_write_vtu(path, d->mesh, d->displacement, d->reaction, stress, &error) ||
+                  dls_fe_write_fields(path, d->mesh, &fields, &error) ||
                   dls_fe_series_add(f->series, d->state.t, 0, name, &error);
   free(stress);
   if (bad) complain_of(path, &error);
@@ -387,15 +373,13 @@ static int run_moving(const moving_options *o) {
 /* ---- the command ----------------------------------------------------------------------------- */
 
 static taken take_moving_option(int key, const char *text, void *data) {
-  moving_options *o = data;
-  if (key != 'o') return take_moving_setting(key, text, &o->settings);
-  o->out = text;
-  return OPTION_TAKEN;
+  return take_moving_setting(key, text, &((moving_options *)data)->settings);
 }
 
 int command_moving(int argc, char **argv) {
-  static const struct option options[] = {MOVING_OPTIONS, VALUE("out", 'o'), LAST_OPTIONS};
-  static const command moving = {MOVING_KEYS "o:", options, moving_usage, take_moving_option, 1};
+  static const option_row options[] = {MOVING_OPTIONS(moving_options, settings),
+                                       ROW(A_TEXT, "out", 'o', moving_options, out), LAST_OPTIONS};
+  static const command moving = {options, moving_usage, take_moving_option, 1};
   moving_options o = {0};
   dls_moving_settings_init(&o.settings);
   o.settings.measure = 1;

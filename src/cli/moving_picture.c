@@ -3,6 +3,18 @@
 
 #include "cli.h"
 
+/* Units of the axes: the bars have none, the blocks are in SI. Forces are per unit of thickness. A
+ * path has no time. */
+typedef struct axis_units {
+  const char *time, *length, *force, *energy, *pressure;
+} axis_units;
+
+static const axis_units *units_of(const dls_moving_data *d) {
+  static const axis_units none = {"-", "-", "-", "-", "-"}, si = {"s", "m", "N/m", "J/m", "Pa"},
+                          path = {"-", "m", "N/m", "J/m", "Pa"};
+  return d->has_exact ? &none : d->dynamic ? &si : &path;
+}
+
 /* Draws energies and works against time; those that stay below 1e-6 of the largest are left out.
  * `balance` is energy less all works: a straight line. */
 static int write_energies(const char *directory, const dls_moving_data *d) {
@@ -21,15 +33,16 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
       {"lost by the scheme", "-$9", "#999999", e->numerical},
   };
   const double whole = fmax(fmax(d->energy_start, e->kinetic + e->elastic), fabs(e->load));
-  FILE *script = open_in(directory, "energy.gp");
+  FILE *script = open_script(directory, "energy");
   if (!script) return 0;
-  fprintf(script,
-          "set title %s.': energies and works'\nset datafile separator ','\nset grid\n"
-          "set bmargin at screen 0.22\n"
-          "set key at screen 0.5,0.01 center bottom horizontal maxcols 3\nset xlabel 'time'\nset "
-          "ylabel 'energy'\n"
-          "set xrange [0:%g]\n",
-          quote(AS_GNUPLOT, d->name).text, d->state.t);
+  fprintf(
+      script,
+      "set title %s.': energies and works'\nset datafile separator ','\nset grid\n"
+      "set bmargin at screen 0.22\n"
+      "set key at screen 0.5,0.01 center bottom horizontal maxcols 3\nset xlabel 'time [%s]'\nset "
+      "ylabel 'energy [%s]'\n"
+      "set xrange [0:%g]\n",
+      quote(AS_GNUPLOT, d->name).text, units_of(d)->time, units_of(d)->energy, d->state.t);
   begin_pictures(script, "energy", 1000, 640);
   fputs("  plot 'energy.csv' every ::1 using 1:10 with lines lw 5 lc rgb '#dddddd' title 'energy "
         "less all works'",
@@ -39,8 +52,7 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
       fprintf(script,
               ", \\\n       '' every ::1 using 1:(%s) with lines lw 2 lc rgb '%s' title '%s'",
               line[k].formula, line[k].color, line[k].title);
-  fputs("\n  unset output\n}\n", script);
-  return close_file(script, "energy.gp");
+  return draw_script(script, directory, "energy");
 }
 
 /* Draws the pressure and the states over surface and time, from a little before the first contact
@@ -50,7 +62,7 @@ static int write_map(const char *directory, const dls_moving_data *d) {
   const int *node = d->candidate_node;
   const double first = xy[2 * node[0]], last = xy[2 * node[d->candidates - 1]];
   const double half = (last - first) / (d->candidates - 1) / 2;
-  FILE *script = open_in(directory, "map.gp");
+  FILE *script = open_script(directory, "map");
   if (!script) return 0;
   fprintf(script,
           "a = 1e300\nb = -1e300\n"
@@ -59,31 +71,32 @@ static int write_map(const char *directory, const dls_moving_data *d) {
           "if (!(b > a)) { a = 0; b = %g }\n" /* no contact: all of it */
           "m = 0.15*(b - a)\n"
           "set xrange [a - m < 0 ? 0 : a - m:b + m > %g ? %g : b + m]\n"
-          "set xlabel 'time'\nset ylabel 'x along the surface'\n"
+          "set xlabel 'time [%s]'\nset ylabel 'x along the surface [%s]'\n"
           "set yrange [%g:%g]\nset format y '%%.3g'\nset key off\n"
           "set lmargin at screen 0.11\nset rmargin at screen 0.85\n",
-          d->state.t, d->state.t, d->state.t, first - half, last + half);
+          d->state.t, d->state.t, d->state.t, units_of(d)->time, units_of(d)->length, first - half,
+          last + half);
   begin_pictures(script, "map", 1000, 760);
   fprintf(script,
           "  set multiplot layout 2,1\n"
-          "  set title %s.': pressure r_n / length'\n"
+          "  set title %s.': pressure r_n / length [%s]'\n"
           "  set palette defined (0 '#f7f7f7', 0.01 '#fee8c8', 0.4 '#fdbb84', 0.7 '#e34a33', "
           "1 '#7f0000')\n"
           "  set cbrange [0:*]\n  set cbtics auto\n  set format cb '%%.2g'\n"
           "  plot 'map.dat' using 1:2:3 with image\n"
           "  set title 'state of the candidates'\n"
-          "  set palette maxcolors 3 defined (0 '#f0f0f0', 1 '#e69f00', 2 '#0072b2')\n"
+          "  set palette maxcolors 3 defined (0 '%s', 1 '%s', 2 '%s')\n"
           "  set cbrange [-0.5:2.5]\n  set format cb '%%g'\n"
           "  set cbtics ('free' 0, 'slip' 1, 'stick' 2)\n"
-          "  plot 'map.dat' using 1:2:4 with image\n"
-          "  unset multiplot\n  unset output\n}\n",
-          quote(AS_GNUPLOT, d->name).text);
-  return close_file(script, "map.gp");
+          "  plot 'map.dat' using 1:2:4 with image\n",
+          quote(AS_GNUPLOT, d->name).text, units_of(d)->pressure, state_colour(DLS_FREE),
+          state_colour(DLS_SLIP), state_colour(DLS_STICK));
+  return draw_script(script, directory, "map");
 }
 
 /* Draws gap and force of a bar beside the closed form. */
 static int write_bar(const char *directory, const dls_moving_data *d) {
-  FILE *script = open_in(directory, "bar.gp");
+  FILE *script = open_script(directory, "bar");
   if (!script) return 0;
   fprintf(script,
           "set grid\nset xrange [0:%g]\nset lmargin at screen 0.09\nset rmargin at screen 0.97\n"
@@ -93,48 +106,43 @@ static int write_bar(const char *directory, const dls_moving_data *d) {
   fprintf(script,
           "  set multiplot layout 2,1\n"
           "  set label 1 %s.', %d elements: gap, L2 error %.3g' at graph 0,1.06\n"
-          "  set ylabel 'gap'\n  set format x ''\n"
+          "  set ylabel 'gap [-]'\n  set format x ''\n"
           "  plot 'bar.dat' using 1:3 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:2 with lines lw 1.5 lc rgb '#0072b2' title 'computed'\n"
           "  set label 1 'force of the wall' at graph 0,1.06\n"
-          "  set ylabel 'force'\n  set xlabel 'time'\n  set format x '%%g'\n"
+          "  set ylabel 'force [-]'\n  set xlabel 'time [-]'\n  set format x '%%g'\n"
           "  plot 'bar.dat' using 1:5 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:4 with lines lw 1.2 lc rgb '#0072b2' title 'computed'\n"
-          "  unset xlabel\n  unset multiplot\n  unset output\n}\n",
+          "  unset xlabel\n",
           quote(AS_GNUPLOT, d->name).text, d->mesh->quads, d->gap_error);
-  return close_file(script, "bar.gp");
+  return draw_script(script, directory, "bar");
 }
 
 /* Draws the tangential force over the obstacle's way: the first cycle thin, later ones thick. */
 static int write_loop(const char *directory, const dls_moving_data *d) {
-  FILE *script = open_in(directory, "loop.gp");
+  FILE *script = open_script(directory, "loop");
   if (!script) return 0;
   fprintf(script,
           "set title %s.': hysteresis'\nset grid\nset key top left\n"
-          "set xlabel 'way of the obstacle'\nset ylabel 'sum of r_t'\n"
+          "set xlabel 'way of the obstacle [m]'\nset ylabel 'sum of r_t [N/m]'\n"
           "set xtics %g\nset format y '%%.3g'\n",
           quote(AS_GNUPLOT, d->name).text, d->settings.amplitude / 2);
   begin_pictures(script, "loop", 800, 640);
   fputs("  plot 'loop.dat' index 0 with lines lw 1.5 lc rgb '#56b4e9' title 'first cycle'", script);
   if (d->step > d->cycle)
     fputs(", \\\n       '' index 1 with lines lw 3 lc rgb '#d55e00' title 'second cycle'", script);
-  fputs("\n  unset output\n}\n", script);
-  return close_file(script, "loop.gp");
+  return draw_script(script, directory, "loop");
 }
 
 int draw_moving(const char *directory, const dls_moving_data *d) {
-  if (!write_energies(directory, d)) return EXIT_BAD_INPUT;
-  if (!(d->has_exact ? write_bar(directory, d) : write_map(directory, d))) return EXIT_BAD_INPUT;
-  if (d->obstacle_moves && !write_loop(directory, d)) return EXIT_BAD_INPUT;
-  /* without gnuplot the run is still good: data and scripts are there */
-  if (run_gnuplot(directory, "energy.gp") &&
-      run_gnuplot(directory, d->has_exact ? "bar.gp" : "map.gp") && d->obstacle_moves)
-    (void)run_gnuplot(directory, "loop.gp");
-  return EXIT_SOLVED;
+  return write_energies(directory, d) && (d->has_exact ? write_bar : write_map)(directory, d) &&
+                 (!d->obstacle_moves || write_loop(directory, d))
+             ? EXIT_SOLVED
+             : EXIT_BAD_INPUT;
 }
 
 int draw_convergence(const char *directory, const char *name, double order, double factor) {
-  FILE *script = open_in(directory, "converge.gp");
+  FILE *script = open_script(directory, "converge");
   if (!script) return EXIT_BAD_INPUT;
   fprintf(script,
           "set title %s.': error of the gap, L2 over time'\nset datafile separator ','\n"
@@ -151,10 +159,7 @@ int draw_convergence(const char *directory, const char *name, double order, doub
       script,
       "  plot %.6g*x**%.6g with lines dt 2 lw 2 lc rgb '#e69f00' title 'order %.2f', \\\n"
       "       'converge.csv' every ::1 using 2:3:xtic(1) with points pt 7 ps 1.6 lc rgb '#0072b2' "
-      "title 'computed'\n"
-      "  unset output\n}\n",
+      "title 'computed'\n",
       factor, order, order);
-  if (!close_file(script, "converge.gp")) return EXIT_BAD_INPUT;
-  (void)run_gnuplot(directory, "converge.gp");
-  return EXIT_SOLVED;
+  return draw_script(script, directory, "converge") ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

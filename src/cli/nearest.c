@@ -70,10 +70,18 @@ const char *scene_name(int k) {
   return NULL;
 }
 
-int names_a_scene(const char *name) {
-  for (int k = 0; scene_name(k); k++)
-    if (strcmp(scene_name(k), name) == 0) return 1;
-  return 0;
+scene_kind kind_of_scene(const char *name) {
+  static const char *(*const names[])(int) = {dls_fe_scene_name, dls_forming_name, dls_moving_name};
+  for (int kind = SCENE_AT_ONCE; kind <= SCENE_MOVING; kind++)
+    for (int k = 0; names[kind - 1](k); k++)
+      if (strcmp(names[kind - 1](k), name) == 0) return (scene_kind)kind;
+  return NO_SCENE;
+}
+
+scene_kind kind_among(int argc, char **argv) {
+  for (int k = 1; k < argc; k++)
+    if (kind_of_scene(argv[k])) return kind_of_scene(argv[k]);
+  return NO_SCENE;
 }
 
 int no_scene(const char *name) {

@@ -6,20 +6,20 @@
 
 #include "cli.h"
 
-/* Returns the name of the option `key`. */
-static const char *option_name(const command *c, int key) {
-  const struct option *o = c->options;
-  while (o->name && o->val != key)
-    o++;
-  return o->name ? o->name : "";
-}
+enum { MOST_OPTIONS = 60, ROW_KEYS = 1000 }; /* getopt's value of the long option of a row */
 
-enum { MOST_OPTIONS = 60 };
+/* Returns the row of getopt's value; NULL for none. */
+static const option_row *option_of(const command *c, int value) {
+  if (value >= ROW_KEYS) return &c->options[value - ROW_KEYS];
+  for (const option_row *row = c->options; row->name; row++)
+    if (row->key == value && value) return row;
+  return NULL;
+}
 
 /* Complains of an option that getopt_long has not taken. key: '?', or ':' for a missing value. */
 static int wrong_option(char **argv, const command *c, int key) {
   const char letter[] = {'-', (char)optopt, '\0'};
-  const int known = optopt != 0 && *option_name(c, optopt);
+  const int known = option_of(c, optopt) != NULL;
   const char *given = optopt != 0 && !known ? letter : argv[optind - 1];
   if (key == ':' || known)
     return complain("%s: %s; see 'delassus %s --help'", given,
@@ -36,16 +36,42 @@ static int wrong_option(char **argv, const command *c, int key) {
   return complain("%s: is no option; see 'delassus %s --help'", word, argv[0]);
 }
 
+/* Takes the value of a row. */
+static taken take_row(const command *c, const option_row *row, const char *text, void *data) {
+  void *to = (char *)data + row->at;
+  if (row->key == 'h') return OPTION_HELP;
+  if (row->key && take_loudness(row->key)) return OPTION_TAKEN;
+  switch (row->kind) {
+  case A_FLAG:
+    return *(int *)to = 1, OPTION_TAKEN;
+  case A_TEXT:
+    return *(const char **)to = text, OPTION_TAKEN;
+  case A_NUMBER:
+    return parse_number(row->name, text, to);
+  case A_COUNT:
+    return parse_count(row->name, text, to);
+  case A_MESH:
+    return parse_mesh(text, to, (int *)to + 1);
+  default:
+    return c->take(row->key, text, data);
+  }
+}
+
 int take_options(int argc, char **argv, const command *c, void *data) {
-  char keys[64];
+  struct option rows[MOST_OPTIONS + 1] = {{0}};
+  char keys[2 * MOST_OPTIONS + 2] = ":"; /* no words of getopt */
   (void)take_loudness(0);
-  (void)snprintf(keys, sizeof keys, ":%s" LAST_KEYS, c->keys); /* ":": no words of getopt */
-  for (int key; (key = getopt_long(argc, argv, keys, c->options, NULL)) != -1;) {
+  for (int k = 0; c->options[k].name && k < MOST_OPTIONS; k++) {
+    const option_row *row = &c->options[k];
+    const char letter[] = {(char)row->key, row->has_value ? ':' : '\0', '\0'};
+    rows[k] = (struct option){row->name, row->has_value, NULL, ROW_KEYS + k};
+    if (row->key > 0 && row->key < 128) strcat(keys, letter);
+  }
+  for (int key; (key = getopt_long(argc, argv, keys, rows, NULL)) != -1;) {
     if (key == '?' || key == ':') return wrong_option(argv, c, key);
-    if (optarg && !*optarg) return complain("--%s: is empty", option_name(c, key));
-    const taken result = key == 'h'           ? OPTION_HELP
-                         : take_loudness(key) ? OPTION_TAKEN
-                                              : c->take(key, optarg, data);
+    const option_row *row = option_of(c, key);
+    if (optarg && !*optarg) return complain("--%s: is empty", row->name);
+    const taken result = take_row(c, row, optarg, data);
     if (result == OPTION_HELP) c->usage(stdout);
     if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;
     if (result == OPTION_WRONG) return EXIT_BAD_INPUT;
@@ -126,10 +152,6 @@ taken take_solver_option(int key, const char *text, solver_options *o) {
     return take_method(text, o);
   case 'a':
     return take_acceleration(text, o);
-  case 't':
-    return parse_number("tol", text, &o->settings.limits.tol);
-  case 'i':
-    return parse_count("max-iter", text, &o->settings.limits.max_iterations);
   case KEY_THREADS:
     return parse_count_to("threads", text, most_threads, &o->settings.limits.threads);
   default:

@@ -14,7 +14,8 @@ static const struct {
     {"nlgs+anderson", "#56b4e9", 7}, {"newton", "#0072b2", 5},
     {"admm", "#009e73", 9},          {"augmented-lagrangian", "#d55e00", 11},
     {"lemke", "#cc79a7", 15},        {"penalty", "#999999", 4},
-    {"homotopy", "#882255", 8},      {"gauss-seidel", "#b8860b", 10},
+    {"homotopy", "#882255", 8},      {"gauss-seidel", "#8b6914", 10},
+    {"nlgs+aitken", "#f0c040", 1},   {"nlgs+momentum", "#6a51a3", 3},
 };
 enum { colours = sizeof palette / sizeof palette[0] };
 
@@ -35,20 +36,26 @@ int method_point(const char *name) {
   return row < 0 ? 12 : palette[row].point;
 }
 
-static void add_contender(contender *c, dls_method method, const char *suffix,
-                          dls_acceleration acceleration) {
-  *c = (contender){.method = method, .acceleration = acceleration};
-  (void)snprintf(c->name, sizeof c->name, "%s%s", dls_method_name(method), suffix);
-  c->colour = method_colour(c->name);
-  c->point = method_point(c->name);
-}
-
 int list_contenders(contender list[MOST_CONTENDERS]) {
+  static const contender of_nlgs[] = {
+      {.name = "nlgs+aitken", .acceleration = DLS_ACCELERATION_AITKEN},
+      {.name = "nlgs+momentum", .acceleration = DLS_ACCELERATION_MOMENTUM},
+      {.name = "nlgs+anderson", .acceleration = DLS_ACCELERATION_ANDERSON},
+      {.name = "gauss-seidel", .on_body = 1}};
+  enum { ways = sizeof of_nlgs / sizeof of_nlgs[0] };
   int count = 0;
-  for (int k = 0; dls_method_name((dls_method)k) && count < MOST_CONTENDERS; k++) {
-    add_contender(&list[count++], (dls_method)k, "", DLS_ACCELERATION_NONE);
-    if ((dls_method)k == DLS_NLGS && count < MOST_CONTENDERS)
-      add_contender(&list[count++], DLS_NLGS, "+anderson", DLS_ACCELERATION_ANDERSON);
+  for (int k = 0; dls_method_name((dls_method)k) && count < MOST_CONTENDERS - ways; k++) {
+    contender *c = &list[count++];
+    *c = (contender){.method = (dls_method)k};
+    (void)snprintf(c->name, sizeof c->name, "%s", dls_method_name((dls_method)k));
+    for (int way = 0; k == DLS_NLGS && way < ways; way++) {
+      list[count] = of_nlgs[way];
+      list[count++].method = DLS_NLGS;
+    }
+  }
+  for (int k = 0; k < count; k++) {
+    list[k].colour = method_colour(list[k].name);
+    list[k].point = method_point(list[k].name);
   }
   return count;
 }
@@ -57,13 +64,12 @@ static const struct {
   const char *word, *colour;
 } endings[ENDINGS] = {
     [ENDED_SOLVED] = {"solved", "#0072b2"},
-    [ENDED_ITERATIONS] = {"iterations", "#f0e442"},
-    [ENDED_STALLED] = {"stalled", "#e69f00"},
+    [ENDED_STALLED] = {"no progress", "#e69f00"},
     [ENDED_RAY] = {"ray", "#cc79a7"},
     [ENDED_LIKELY_NONE] = {"likely none", "#d55e00"},
     [ENDED_NONE] = {"proved none", "#882255"},
-    [ENDED_TIME] = {"time", "#bbbbbb"},
     [ENDED_REFUSED] = {"refused", "#ffffff"},
+    [ENDED_UNDECIDED] = {"not decided", "#e4e4e4"},
     [ENDED_FOLDED] = {"mesh folded", "#303030"},
 };
 
@@ -72,8 +78,6 @@ ending ending_of(dls_status status) {
   case DLS_OK:
   case DLS_TO_ROUNDING:
     return ENDED_SOLVED;
-  case DLS_MAX_ITERATIONS:
-    return ENDED_ITERATIONS;
   case DLS_STALLED:
     return ENDED_STALLED;
   case DLS_RAY:
@@ -85,7 +89,7 @@ ending ending_of(dls_status status) {
   case DLS_FOLDED:
     return ENDED_FOLDED;
   default:
-    return status < 0 ? ENDED_REFUSED : ENDED_TIME;
+    return status < 0 ? ENDED_REFUSED : ENDED_UNDECIDED;
   }
 }
 

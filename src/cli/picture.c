@@ -99,23 +99,25 @@ int make_directory(const char *path) {
   return 1;
 }
 
-int run_gnuplot(const char *directory, const char *script) {
-  char name[] = "gnuplot";
-  char copy[64];
-  (void)snprintf(copy, sizeof copy, "%s", script);
-  char *argv[] = {name, copy, NULL};
+/* Runs gnuplot on NAME.gp in the directory. The first complaint is enough. */
+static int run_gnuplot(const char *directory, const char *name) {
+  static int told;
+  char program[] = "gnuplot", script[80];
+  (void)snprintf(script, sizeof script, "%s.gp", name);
+  char *argv[] = {program, script, NULL};
   posix_spawn_file_actions_t actions;
   if (posix_spawn_file_actions_init(&actions)) return 0;
   pid_t child;
   int status = -1;
   if (posix_spawn_file_actions_addchdir_np(&actions, directory) == 0 &&
-      posix_spawnp(&child, name, &actions, NULL, argv, environ) == 0)
+      posix_spawnp(&child, program, &actions, NULL, argv, environ) == 0)
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
       ;
   (void)posix_spawn_file_actions_destroy(&actions);
   if (status == 0) return 1;
-  complain("%s/%s: gnuplot did not draw it; install gnuplot (Debian: gnuplot-nox)", directory,
-           script);
+  if (!told++)
+    complain("%s/%s: gnuplot did not draw it; install gnuplot (Debian: gnuplot-nox)", directory,
+             script);
   return 0;
 }
 
@@ -129,6 +131,23 @@ void mesh_box(int nodes, const double *xy, const double *displacement, double lo
   }
 }
 
+void place_panel(FILE *script, double left, double right, double bottom, double top) {
+  fprintf(script,
+          "  set lmargin at screen %.5g\n  set rmargin at screen %.5g\n"
+          "  set bmargin at screen %.5g\n  set tmargin at screen %.5g\n",
+          left, right, bottom, top);
+}
+
+const char *state_colour(dls_contact_state state) {
+  return state == DLS_FREE ? "#909090" : state == DLS_SLIP ? "#d95f02" : "#1b7837";
+}
+
+FILE *open_script(const char *directory, const char *name) {
+  char script[80];
+  (void)snprintf(script, sizeof script, "%s.gp", name);
+  return open_in(directory, script);
+}
+
 void begin_pictures(FILE *script, const char *name, double width, double height) {
   fprintf(script,
           "set encoding utf8\ndo for [type in 'png svg'] {\n"
@@ -136,6 +155,11 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
           "  if (type eq 'svg') { set terminal svg size %g,%g font ',13' background 'white' }\n"
           "  set output '%s.'.type\n",
           width, height, width, height, name);
+}
+
+int draw_script(FILE *script, const char *directory, const char *name) {
+  fputs("\n  unset multiplot\n  unset output\n}\n", script);
+  return close_file(script, name) ? 1 + run_gnuplot(directory, name) : 0;
 }
 
 static double largest_pair(const double *v, int n) {
@@ -151,8 +175,7 @@ static double round_down(double x) {
   return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
 }
 
-/* Colours of the states, in their order, and of the two components of a reaction. */
-static const char *const state_colour[] = {"#909090", "#d95f02", "#1b7837"};
+/* Colours of the two components of a reaction. */
 static const char blue[] = "#3060a0", red[] = "#c03020";
 
 /* Draws the sides of the triangles, displaced `amplify` times. */
@@ -210,7 +233,7 @@ static int write_deformed(const scene_picture *p) {
     write_arrows(data, p, (dls_contact_state)k, amplify, arrow);
   if (!close_file(data, "deformed.dat")) return 0;
 
-  FILE *script = open_in(p->directory, "deformed.gp");
+  FILE *script = open_script(p->directory, "deformed");
   if (!script) return 0;
   fprintf(script,
           "set title %s.\"\\ndisplacements x %g, longest arrow %.3g N/m\"\n"
@@ -229,9 +252,9 @@ static int write_deformed(const scene_picture *p) {
     fprintf(script,
             ", \\\n       '' index %d using 1:2:3:4 with vectors head size %.3g,20,60 filled lw "
             "%.2g lc rgb '%s' title '%s'",
-            k + 1, head, fmax(0.5, 2 * thin), state_colour[k], state_word((dls_contact_state)k));
-  fputs("\n  unset output\n}\n", script);
-  return close_file(script, "deformed.gp");
+            k + 1, head, fmax(0.5, 2 * thin), state_colour((dls_contact_state)k),
+            state_word((dls_contact_state)k));
+  return draw_script(script, p->directory, "deformed");
 }
 
 /* Draws the reactions along the contact line: R_N as a broad line, so that -R_T over it hides
@@ -245,7 +268,7 @@ static int write_reactions(const scene_picture *p) {
             p->paper_rt ? p->paper_rt[c] : NAN, p->paper_rn ? p->paper_rn[c] : NAN,
             (int)p->state[c]);
   if (!close_file(data, "reactions.dat")) return 0;
-  FILE *script = open_in(p->directory, "reactions.gp");
+  FILE *script = open_script(p->directory, "reactions");
   if (!script) return 0;
   const double point = fmin(1.3, fmax(0.6, 40.0 / p->scene->candidates));
   fprintf(script,
@@ -261,7 +284,7 @@ static int write_reactions(const scene_picture *p) {
     fprintf(script,
             ", \\\n       '' using 1:($6==%d?$3:NaN) with points pt 7 ps %.2g lc rgb '%s' "
             "title '%s'",
-            k, point, state_colour[k], state_word((dls_contact_state)k));
+            k, point, state_colour((dls_contact_state)k), state_word((dls_contact_state)k));
   const double *const paper[] = {p->paper_rn, p->paper_rt};
   static const char *const points[] = {"1:5 with points pt 6 ps 2.2 lw 1.5 lc rgb '#3060a0' "
                                        "title 'R_N paper'",
@@ -269,14 +292,9 @@ static int write_reactions(const scene_picture *p) {
                                        "title '-R_T paper'"};
   for (int k = 0; k < 2; k++)
     if (paper[k]) fprintf(script, ", \\\n       '' using %s", points[k]);
-  fputs("\n  unset output\n}\n", script);
-  return close_file(script, "reactions.gp");
+  return draw_script(script, p->directory, "reactions");
 }
 
 int draw_scene(const scene_picture *picture) {
-  if (!write_deformed(picture) || !write_reactions(picture)) return EXIT_BAD_INPUT;
-  /* without gnuplot the run is still good: data and scripts are there */
-  if (run_gnuplot(picture->directory, "deformed.gp"))
-    (void)run_gnuplot(picture->directory, "reactions.gp");
-  return EXIT_SOLVED;
+  return write_deformed(picture) && write_reactions(picture) ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

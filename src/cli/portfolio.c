@@ -87,17 +87,19 @@ static dls_status add_alone(portfolio *p, const dls_contact *contact, double tol
   return DLS_OK;
 }
 
-static int add_problem(portfolio *p, const char *name, double tol, double limit) {
-  named subject = {0};
+static int add_problem(portfolio *p, const char *name, const source *from, double tol,
+                       double limit) {
+  problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   dls_info info;
-  double seconds = 0, *r = NULL;
-  dls_status status = named_load(name, &subject, &error);
+  double seconds = 0;
   const dls_contact *contact = &subject.contact;
-  if (!status) {
-    r = malloc((size_t)contact->d * (size_t)contact->nc * sizeof *r);
-    status = r ? DLS_OK : DLS_E_MEMORY;
+  if (!problem_open(name, from, &subject)) {
+    problem_free(&subject);
+    return 0;
   }
+  double *r = malloc((size_t)contact->d * (size_t)contact->nc * sizeof *r);
+  dls_status status = r ? DLS_OK : DLS_E_MEMORY;
   if (!status) status = solve_by(contact, NULL, tol, 0, r, &seconds, &info, &error);
   if (status >= 0 && !was_interrupted()) {
     add_auto(p, &info, seconds);
@@ -106,7 +108,7 @@ static int add_problem(portfolio *p, const char *name, double tol, double limit)
   progress_end();
   if (status < 0) (void)complain_of(name, &error);
   free(r);
-  named_free(&subject);
+  problem_free(&subject);
   return status >= 0;
 }
 
@@ -143,12 +145,12 @@ static void portfolio_json(const portfolio *p, const char *why) {
   puts("\n  ]\n}");
 }
 
-int run_portfolio(int count, char **names, double tol, double limit) {
+int run_portfolio(int count, char **names, const source *from, double tol, double limit) {
   portfolio p = {0};
   char why[80];
   int good = 1;
   for (int i = 0; i < count && good && !was_interrupted(); i++)
-    good = add_problem(&p, names[i], tol, limit);
+    good = add_problem(&p, names[i], from, tol, limit);
   if (!good) return EXIT_BAD_INPUT;
   if (p.problems) print_portfolio(&p, tol);
   const int failed = p.problems - p.solved - p.none;

@@ -1,9 +1,11 @@
-/* problem.c: loads problems, FCLIB or text, and condenses them if they are global. */
+/* problem.c: loads the problem that a command is asked for: a file, a scene or matrices. */
 #define _GNU_SOURCE
+#include <getopt.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "cli.h"
+#include "matrices.h"
 
 /* Returns 1 if the file begins as those of HDF5 do, or cannot be read. */
 static int is_hdf5(const char *path) {
@@ -31,13 +33,11 @@ const char *other_kind(const char *path) {
 
 int is_no_problem(const char *path) {
   const char *kind = other_kind(path);
-  if (kind)
-    return complain("%s is a %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
-                    "--f=F --mu=MU; or --W with --q and --mu; an LCP: --lcp M.mtx q.mtx",
-                    path, kind, path),
-           1;
-  if (access(input_path(path), F_OK) == 0 || !names_a_scene(path)) return 0;
-  return complain("%s: is a scene: delassus scene %s", path, path), 1;
+  if (!kind) return 0;
+  return complain("%s is a %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
+                  "--f=F --mu=MU; or --W with --q and --mu; an LCP: --lcp M.mtx q.mtx",
+                  path, kind, path),
+         1;
 }
 
 int read_lcp_text(const char *path, dls_text **text) {
@@ -60,7 +60,9 @@ static dls_status check_place(dls_on on, dls_error *error) {
   return DLS_E_UNSUPPORTED;
 }
 
-dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls_error *error) {
+static dls_status problem_of_file(const char *path, const source *from, problem *p,
+                                  dls_error *error) {
+  const dls_on on = from->matrices.on;
   dls_status status;
   if (!is_hdf5(path)) {
     status = dls_text_read(&p->text, input_path(path), error);
@@ -75,18 +77,80 @@ dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls
   }
   status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
   if (status) return status;
-  p->of_bodies = bodies && on != DLS_ON_K && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
-  if (p->of_bodies) return DLS_OK;
-  dls_reduction_settings settings;
-  dls_reduction_settings_init(&settings);
-  settings.on = on;
-  settings.progress = show_reduction;
-  const double start = cpu_seconds();
-  status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-  if (!status) status = problem_take_contact(p, error);
-  p->reduction_cpu_seconds = cpu_seconds() - start;
-  return status;
+  p->of_bodies =
+      from->solves && on != DLS_ON_K && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
+  return p->of_bodies ? DLS_OK : problem_condense(p, from, error);
+}
+
+/* Complains of a name that is neither a scene nor a file; 0 if it is a file. */
+static int is_nothing(const char *name) {
+  nearest near = {.word = name};
+  for (int k = 0; scene_name(k); k++)
+    nearest_try(&near, scene_name(k));
+  if (!near.count || access(input_path(name), F_OK) == 0) return 0;
+  return complain("%s: no file and no scene%s", name, nearest_words(&near)), 1;
+}
+
+int problem_open(const char *name, const source *wanted, problem *p) {
+  source own = *wanted;
+  const source *from = &own;
+  const char *where = own.matrices.where;
+  if (where && !own.matrices.on)
+    own.matrices.on = !strcmp(where, "K")   ? DLS_ON_K
+                      : !strcmp(where, "W") ? DLS_ON_W
+                                            : own.matrices.on;
+  if (where && !own.matrices.on) return complain("--on: '%s' is not W or K", where), 0;
+  const char *given = matrices_name(&from->matrices);
+  const scene_kind kind = given ? NO_SCENE : kind_of_scene(name);
+  dls_error error = {0};
+  dls_status status;
+  if (!from->solves && from->matrices.on == DLS_ON_K)
+    return complain("--on=K: is for delassus solve"), 0;
+  if (from->step && kind != SCENE_FORMING && kind != SCENE_MOVING)
+    return complain("--step: is for scenes in steps"), 0;
+  if (!given && matrices_given(&from->matrices))
+    return complain("give one of --stiffness, --flexibility and --W"), 0;
+  shorten(given ? given : name, p->name, sizeof p->name);
+  if (given) {
+    name = given;
+    if (!matrices_load(&from->matrices, p)) return 0;
+    status = p->model.n ? problem_condense(p, from, &error) : DLS_OK;
+  } else if (kind) {
+    status = problem_of_scene(name, from, p, &error);
+  } else {
+    if (is_nothing(name) || is_no_problem(name)) return 0;
+    status = problem_of_file(name, from, p, &error);
+  }
+  if (status < 0) (void)complain_of(name, &error);
+  if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
+    (void)complain("without --on=W and with --method=auto, the problem is solved on K");
+  if (!status && *p->note) tell("%s: %s\n", quote(AS_SHOWN, p->name).text, p->note);
+  return !status;
+}
+
+/* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
+ * stderr for each. Returns how many names are left, in front. */
+static int leave_lcps(int count, char **names) {
+  int kept = 0;
+  for (int i = 0; i < count; i++) {
+    dls_text *text;
+    if (read_lcp_text(names[i], &text))
+      (void)complain("%s: skipped: an LCP, no contact problem; delassus solve solves it", names[i]);
+    else
+      names[kept++] = names[i];
+    dls_text_destroy(text);
+  }
+  return kept;
+}
+
+char **source_names(int *count, char **argv, const source *from) {
+  static char *alone[1];
+  const char *given = matrices_name(&from->matrices);
+  const int names = *count;
+  if (given ? names > 0 : names < 1) return wrong_names(argv[0]), NULL;
+  alone[0] = (char *)given;
+  *count = given ? 1 : leave_lcps(names, argv + optind);
+  return given ? alone : argv + optind;
 }
 
 /* Is in OpenBLAS alone; NULL with another BLAS. */
@@ -103,16 +167,19 @@ void problem_free(problem *p) {
   dls_reduction_destroy(p->reduction);
   dls_fclib_destroy(p->file);
   dls_text_destroy(p->text);
+  dls_fe_scene_destroy(p->scene);
+  dls_moving_destroy(p->moving);
+  free(p->own);
   matrices_free(p->matrices);
 }
 
 void problem_print(const char *path, const problem *p) {
   printf("%s: %dD, %d contact%s, %s\n", quote(AS_SHOWN, path).text, p->contact.d, p->contact.nc,
          plural(p->contact.nc),
-         p->reduction   ? "global"
-         : p->of_bodies ? "global"
-         : p->text      ? "text"
-                        : "local");
+         p->scene || p->own             ? "of a scene"
+         : p->reduction || p->of_bodies ? "global"
+         : p->text                      ? "text"
+                                        : "local");
   if (p->of_bodies)
     printf("  of %d rigid bod%s\n", p->contact.bodies.count,
            p->contact.bodies.count == 1 ? "y" : "ies");

@@ -16,9 +16,8 @@ enum { PROFILE_RUNGS = 7, PROFILE_TARGETS = 3 };
 static const double profile_tol[PROFILE_RUNGS] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
 static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
-enum { KEY_PORTFOLIO = 256 }; /* no letter */
-
 typedef struct profile_options {
+  source from;
   int repeat, portfolio;
   double limit, budget, tol;
   const char *out;
@@ -27,13 +26,14 @@ typedef struct profile_options {
 static void profile_usage(FILE *out) {
   fputs(
       "Usage: delassus profile [OPTION]... FILE|SCENE...\n"
+      "  or:  delassus profile [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
       "Runs each method on many contact problems to tolerances 1e-2 to 1e-14: performance\n"
       "profiles, each problem, and the CPU of auto over that of the fastest single method. Writes\n"
       "profile.csv, profile.png and profile.svg.\n"
       "\n"
       "  -r, --repeat=N        time each solve up to N times and use the least (15)\n"
       "  -l, --limit=S         CPU seconds for a solve (0.5), or 30 times the fastest if that is\n"
-      "                        more\n"
+      "                        more; in need ten times as many\n"
       "  -b, --budget=S        approximate CPU seconds for a problem (6)\n"
       "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is printed)\n"
       "      --portfolio       instead: the steps of auto, on how many problems each was taken, "
@@ -41,8 +41,9 @@ static void profile_usage(FILE *out) {
       "                        how many it ended the solve, its CPU; and each step alone: on how\n"
       "                        many it solves, on how many it is the first to solve. No files\n"
       "  -t, --tol=T           tolerance of --portfolio (1e-8)\n" LAST_USAGE "\n"
-      "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n",
+      "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n\n",
       out);
+  source_usage(out);
 }
 
 /* All that was measured; problems are counted as they are done. */
@@ -50,9 +51,9 @@ typedef struct profile {
   int solvers, problems, most;
   contender who[MOST_CONTENDERS];
   char (*name)[96];
-  double *seconds; /* (rung * solvers + solver) * most + problem; INFINITY: not solved */
+  double *seconds; /* (rung * solvers + solver) * most + problem; as in profile.h */
   FILE *csv;
-  int failed; /* problems that auto did not solve to every tolerance */
+  int failed; /* problems that auto did not answer to every tolerance */
 } profile;
 
 static double *profile_seconds(const profile *p, int rung, int solver, int which) {
@@ -61,23 +62,26 @@ static double *profile_seconds(const profile *p, int rung, int solver, int which
 
 /* ---- measuring ------------------------------------------------------------------------------- */
 
-/* Takes the times of a race; methods that its size left out have solved nothing. */
+/* Takes the times of a race. A proof that there is no solution is an answer. */
 static void profile_take(profile *p, const race *a, const char *name) {
   int failed = 0;
   (void)snprintf(p->name[p->problems], sizeof p->name[0], "%s", name);
   for (int rung = 0; rung < PROFILE_RUNGS; rung++) {
     for (int k = 0; k < p->solvers; k++)
-      *profile_seconds(p, rung, k, p->problems) = INFINITY;
+      *profile_seconds(p, rung, k, p->problems) = PROFILE_TOOK_NO_PART;
     for (int i = 0; i < a->count; i++) {
       const trial *t = race_trial(a, i, rung);
       for (int k = 0; k < p->solvers; k++)
-        if (strcmp(p->who[k].name, a->who[i].name) == 0 && t->end == ENDED_SOLVED)
-          *profile_seconds(p, rung, k, p->problems) = t->seconds;
+        if (strcmp(p->who[k].name, a->who[i].name) == 0)
+          *profile_seconds(p, rung, k, p->problems) = is_answer(t->end) ? t->seconds
+                                                      : t->end == ENDED_UNDECIDED
+                                                          ? PROFILE_NOT_DECIDED
+                                                          : PROFILE_NOT_ANSWERED;
       fprintf(p->csv, "%s,%d,%d,%s,%.0e,%s,%.4e,%d,%.3e\n", quote(AS_CSV, name).text, a->d, a->nc,
               a->who[i].name, profile_tol[rung], ending_word(t->end), t->seconds, t->iterations,
               t->residual);
     }
-    failed |= race_trial(a, 0, rung)->end != ENDED_SOLVED;
+    failed |= !is_answer(race_trial(a, 0, rung)->end);
   }
   fflush(p->csv);
   p->failed += failed;
@@ -90,17 +94,20 @@ static int profile_add(profile *p, const char *name, const profile_options *o) {
                           .repeat = o->repeat,
                           .limit = o->limit,
                           .budget = o->budget};
-  named subject = {0};
+  problem subject = {0};
   race a = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
-  dls_status status = named_load(name, &subject, &error);
-  if (!status) status = race_run(&a, &subject.contact, &plan, &error);
+  if (!problem_open(name, &o->from, &subject)) {
+    problem_free(&subject);
+    return was_interrupted();
+  }
+  const dls_status status = race_run(&a, &subject.contact, &subject, &plan, &error);
   if (status)
     (void)complain_of(name, &error);
   else if (!a.interrupted)
     profile_take(p, &a, subject.name);
   race_free(&a);
-  named_free(&subject);
+  problem_free(&subject);
   return !status;
 }
 
@@ -111,18 +118,27 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Prints for each method how many it solved to a tolerance, and its CPU over the fastest. */
+static double fastest_of(const profile *p, int rung, int first, int which) {
+  double fastest = INFINITY;
+  for (int k = first; k < p->solvers; k++) {
+    const double seconds = *profile_seconds(p, rung, k, which);
+    if (seconds >= 0) fastest = fmin(fastest, seconds);
+  }
+  return fastest;
+}
+
+/* Prints for each method how many of those that it takes part in it answered to a tolerance, and
+ * its CPU over the fastest. */
 static void print_target(const profile *p, int rung, double *ratio) {
   printf("\n%-22s  to %.0e: solved   CPU/fastest: median     worst\n", "method", profile_tol[rung]);
   for (int k = 0; k < p->solvers; k++) {
-    int count = 0, worst = 0;
+    int count = 0, worst = 0, parts = 0, open = 0;
     double most = 0;
     for (int i = 0; i < p->problems; i++) {
-      double fastest = INFINITY;
-      for (int j = 0; j < p->solvers; j++)
-        fastest = fmin(fastest, *profile_seconds(p, rung, j, i));
-      const double seconds = *profile_seconds(p, rung, k, i);
-      if (!isfinite(seconds)) continue;
+      const double fastest = fastest_of(p, rung, 0, i), seconds = *profile_seconds(p, rung, k, i);
+      parts += !isnan(seconds);
+      open += seconds < 0;
+      if (!isfinite(seconds) || seconds < 0) continue;
       if (seconds / fastest > most) {
         most = seconds / fastest;
         worst = i;
@@ -131,10 +147,14 @@ static void print_target(const profile *p, int rung, double *ratio) {
     }
     qsort(ratio, (size_t)count, sizeof *ratio, by_size);
     if (count)
-      printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s\n", p->who[k].name, count, p->problems,
+      printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s", p->who[k].name, count, parts,
              ratio[(count - 1) / 2], most, quote(AS_SHOWN, p->name[worst]).text);
+    else if (parts)
+      printf("%-22s  %11d/%-3d", p->who[k].name, 0, parts);
     else
-      printf("%-22s  %11d/%-3d\n", p->who[k].name, 0, p->problems);
+      printf("%-22s  takes part in none", p->who[k].name);
+    if (open) printf("; not decided: %d", open);
+    putchar('\n');
   }
 }
 
@@ -144,10 +164,8 @@ static void print_auto(const profile *p, double *ratio) {
   double most = 0;
   for (int rung = 0; rung < PROFILE_RUNGS; rung++)
     for (int i = 0; i < p->problems; i++) {
-      double single = INFINITY;
-      for (int k = 1; k < p->solvers; k++)
-        single = fmin(single, *profile_seconds(p, rung, k, i));
-      const double seconds = *profile_seconds(p, rung, 0, i);
+      const double single = fastest_of(p, rung, 1, i), own = *profile_seconds(p, rung, 0, i);
+      const double seconds = own >= 0 ? own : INFINITY;
       only_others += isfinite(single) && !isfinite(seconds);
       only_auto += !isfinite(single) && isfinite(seconds);
       if (!isfinite(single) || !isfinite(seconds)) continue;
@@ -168,12 +186,12 @@ static void print_auto(const profile *p, double *ratio) {
          PROFILE_RUNGS * p->problems);
 }
 
-static int draw_profile(const profile *p, const char *directory) {
+static int draw_profile(const profile *p, const char *directory, double limit) {
   static const char *const targets[] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
   const char *solvers[MOST_CONTENDERS], **names = malloc((size_t)p->problems * sizeof *names);
   const size_t cells = (size_t)p->solvers * (size_t)p->problems;
   double *seconds = malloc(PROFILE_TARGETS * cells * sizeof *seconds);
-  char title[120];
+  char title[120], notes[160];
   int good = names && seconds;
   for (int k = 0; k < p->solvers; k++)
     solvers[k] = p->who[k].name;
@@ -186,9 +204,16 @@ static int draw_profile(const profile *p, const char *directory) {
   }
   (void)snprintf(title, sizeof title, "Every method on %d problem%s", p->problems,
                  plural(p->problems));
+  (void)snprintf(
+      notes, sizeof notes,
+      "measured CPU. An answer is a solution, or the proof that there is none. Not decided: "
+      "no verdict in %g s of CPU (or 300 times the fastest)",
+      10 * limit);
   const profile_picture picture = {.directory = directory,
                                    .name = "profile",
                                    .title = title,
+                                   .notes = notes,
+                                   .absent = "takes part in none",
                                    .solvers = p->solvers,
                                    .problems = p->problems,
                                    .targets = PROFILE_TARGETS,
@@ -226,7 +251,7 @@ static int run_profile(int count, char **list, const profile_options *o) {
     for (int t = 0; t < PROFILE_TARGETS && prints_text(); t++)
       print_target(&p, profile_target[t], ratio);
     if (prints_text()) print_auto(&p, ratio);
-    good = draw_profile(&p, out);
+    good = draw_profile(&p, out, o->limit);
   }
   free(ratio);
   free(p.name);
@@ -240,32 +265,24 @@ static int run_profile(int count, char **list, const profile_options *o) {
                    why, "profile", out, "profile.csv");
 }
 
-static taken take_profile_option(int key, const char *text, void *data) {
-  profile_options *o = data;
-  if (key == 'r') return parse_count("repeat", text, &o->repeat);
-  if (key == 'l') return parse_number("limit", text, &o->limit);
-  if (key == 'b') return parse_number("budget", text, &o->budget);
-  if (key == 't') return parse_number("tol", text, &o->tol);
-  if (key == KEY_PORTFOLIO) return o->portfolio = 1, OPTION_TAKEN;
-  if (key != 'o') return OPTION_UNKNOWN;
-  o->out = text;
-  return OPTION_TAKEN;
-}
-
 int command_profile(int argc, char **argv) {
-  static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
-                                          VALUE("budget", 'b'), VALUE("out", 'o'),
-                                          VALUE("tol", 't'),    FLAG("portfolio", KEY_PORTFOLIO),
-                                          LAST_OPTIONS};
-  static const command profile_command = {"r:l:b:o:t:", options, profile_usage, take_profile_option,
-                                          0};
+  static const option_row options[] = {ROW(A_COUNT, "repeat", 'r', profile_options, repeat),
+                                       ROW(A_NUMBER, "limit", 'l', profile_options, limit),
+                                       ROW(A_NUMBER, "budget", 'b', profile_options, budget),
+                                       ROW(A_TEXT, "out", 'o', profile_options, out),
+                                       ROW(A_NUMBER, "tol", 't', profile_options, tol),
+                                       ROW(A_FLAG, "portfolio", 0, profile_options, portfolio),
+                                       SOURCE_OPTIONS(profile_options, from),
+                                       LAST_OPTIONS};
+  static const command profile_command = {options, profile_usage, NULL, 0};
   profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_names(argv[0]);
+  int count = argc - optind;
+  char **names = source_names(&count, argv, &o.from);
+  if (!names) return EXIT_BAD_INPUT;
   watch_interrupt();
-  const int count = leave_lcps(argc - optind, argv + optind);
   if (!count) return EXIT_SOLVED;
-  return o.portfolio ? run_portfolio(count, argv + optind, o.tol, o.limit)
-                     : run_profile(count, argv + optind, &o);
+  return o.portfolio ? run_portfolio(count, names, &o.from, o.tol, o.limit)
+                     : run_profile(count, names, &o);
 }

@@ -40,6 +40,10 @@ static void write_form(char form[longest_form], text_kind kind, const char *text
     (void)snprintf(form, longest_form, " ");
   } else if (kind == AS_CSV) {
     if (code == '"') (void)snprintf(form, longest_form, "\"\"");
+  } else if (kind == AS_HTML) {
+    const char *name = code == '&' ? "amp" : code == '<' ? "lt" : code == '>' ? "gt" : "quot";
+    if (code < 0x80 && strchr("&<>\"", (char)code))
+      (void)snprintf(form, longest_form, "&%s;", name);
   } else if (code < 0x80) {
     write_gnuplot(form, text);
   }
@@ -47,7 +51,7 @@ static void write_form(char form[longest_form], text_kind kind, const char *text
 
 /* Returns the mark on both sides of the text. */
 static const char *side_mark(text_kind kind, const char *text) {
-  if (kind == AS_SHOWN) return "";
+  if (kind == AS_SHOWN || kind == AS_HTML) return "";
   if (kind != AS_CSV) return "\"";
   return text[0] == '#' || text[0] == ' ' || text[strcspn(text, ",\"")] ? "\"" : "";
 }

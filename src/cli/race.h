@@ -1,11 +1,18 @@
 /*
  * race.h: the methods side by side on one contact problem, for chart, map and profile: who takes
  * part, in which colour, what each needed for a tolerance, and where each gave up.
+ *
+ * A limit is no verdict. A solve that ends at a limit goes on, until it has a verdict or is
+ * "not decided":
+ *
+ *   its own limit of iterations   once more, with ten times as many; "no progress" if these do not
+ *                                 halve the residual, else "not decided"
+ *   CPU seconds of the plan       up to ten times as many, then "not decided"
  */
 #ifndef RACE_H
 #define RACE_H
 
-#include "cli.h"
+#include "matrices.h"
 
 /* ---- palette.c ------------------------------------------------------------------------------- */
 
@@ -14,14 +21,15 @@ typedef struct contender {
   char name[32]; /* "nlgs", "nlgs+anderson" */
   dls_method method;
   dls_acceleration acceleration;
+  int on_body;        /* 1: Gauss-Seidel on the displacements, of a problem with its model */
   const char *colour; /* "#rrggbb" */
   int point;          /* of gnuplot: a type of point */
 } contender;
 
 enum { MOST_CONTENDERS = 16 };
 
-/* Fills list with auto, then every other method of the library, nlgs also with anderson; returns
- * how many. */
+/* Fills list with auto, then every other method of the library, nlgs also with each acceleration,
+ * and gauss-seidel on the displacements; returns how many. */
 int list_contenders(contender list[MOST_CONTENDERS]);
 
 /* Returns the colour, and the type of point, of a method by its name; grey for an unknown one. */
@@ -31,16 +39,20 @@ int method_point(const char *name);
 /* The verdict on a solve: a word for tables and a colour for maps. */
 typedef enum ending {
   ENDED_SOLVED = 0,
-  ENDED_ITERATIONS,
-  ENDED_STALLED,
+  ENDED_STALLED, /* no progress */
   ENDED_RAY,
   ENDED_LIKELY_NONE,
   ENDED_NONE, /* no solution: proved */
-  ENDED_TIME, /* over the limit of CPU */
   ENDED_REFUSED,
-  ENDED_FOLDED, /* of scenes in steps: the mesh */
+  ENDED_UNDECIDED, /* no verdict: it met a limit */
+  ENDED_FOLDED,    /* of scenes in steps: the mesh */
   ENDINGS
 } ending;
+
+/* Returns 1 for what answers the problem: a solution, or the proof that there is none. */
+static inline int is_answer(ending e) {
+  return e == ENDED_SOLVED || e == ENDED_NONE;
+}
 
 ending ending_of(dls_status status);
 const char *ending_word(ending e);
@@ -53,6 +65,7 @@ typedef struct trial {
   ending end;
   int asked; /* 0: the method gave up at a coarser tolerance, whose verdict stands here too */
   int iterations;
+  int longer;               /* 1: solved beyond the method's own limit of iterations */
   double residual, seconds; /* of the certificate; CPU, the least of all repeats */
 } trial;
 
@@ -60,7 +73,7 @@ typedef struct race_plan {
   int rungs;
   const double *tol; /* rungs: falling */
   int repeat;        /* how often a solve is timed, at most */
-  double limit;      /* CPU seconds of a solve that may always be used */
+  double limit;      /* CPU seconds of a solve that may always be used; ten times in need */
   double budget;     /* CPU seconds of all, about */
 } race_plan;
 
@@ -72,6 +85,8 @@ typedef struct race {
   trial *trials;              /* count x rungs: race_trial */
   double *answers;            /* count x rungs x m: race_answer, where solved */
   const dls_contact *problem; /* borrowed */
+  const problem *body;        /* the model of the problem; NULL: none */
+  double *x;                  /* its unknowns */
   const race_plan *plan;      /* while it runs */
   dls_solver *solver[MOST_CONTENDERS];
   int interrupted; /* 1: Ctrl-C ended it; trials that are missing are marked as over time */
@@ -79,18 +94,28 @@ typedef struct race {
 
 /* Runs every contender down the ladder, from the coarsest tolerance on, interleaved, the solvers
  * made once: first once each, then again in turns. A method that gave up is not asked for more
- * digits. A solve may take limit, and 30 times what the fastest needed. Returns DLS_OK, or an error
- * of the problem. */
-dls_status race_run(race *a, const dls_contact *contact, const race_plan *plan, dls_error *error);
+ * digits. A solve may take limit, and 30 times what the fastest needed, and in need ten times that.
+ * body: the problem whose model stands behind contact, for gauss-seidel, or NULL. Returns DLS_OK,
+ * or an error of the problem. */
+dls_status race_run(race *a, const dls_contact *contact, const problem *body, const race_plan *plan,
+                    dls_error *error);
 void race_free(race *a);
+
+/* Solves once by contender k, within limits, from r as they say; the certificate in info is that of
+ * the contact problem. */
+dls_status race_call(race *a, int k, const dls_limits *limits, double *r, dls_info *info,
+                     dls_error *error);
 
 /* Returns 1 for a problem on which the method would take minutes, or too much memory. */
 int race_is_too_large(dls_method method, int d, int nc);
 
+/* Returns 1 if the contender takes part in the race on a problem. */
+int race_takes(const contender *who, const dls_contact *contact, const problem *body);
+
 trial *race_trial(const race *a, int k, int rung);
 double *race_answer(const race *a, int k, int rung);
 
-/* Returns the least CPU of those who solved the rung, INFINITY if none did; singles = 1: auto
+/* Returns the least CPU of those who answered the rung, INFINITY if none did; singles = 1: auto
  * apart. */
 double race_fastest(const race *a, int rung, int singles);
 
@@ -98,7 +123,7 @@ double race_fastest(const race *a, int rung, int singles);
 
 /* Solves the problems by auto, to tol, and prints what each of its steps is worth, beside each step
  * alone, within `limit` CPU seconds or 30 times those of auto. Returns the exit status. */
-int run_portfolio(int count, char **names, double tol, double limit);
+int run_portfolio(int count, char **names, const source *from, double tol, double limit);
 
 /* ---- history.c ------------------------------------------------------------------------------- */
 
@@ -114,27 +139,8 @@ typedef struct history {
   int before, last; /* iterations of the stages before; of this one so far */
 } history;
 
-/* Solves once more and records. The last point is the residual of the certificate. */
-dls_status record_history(history *h, dls_solver *solver, const dls_contact *contact, double tol,
-                          double limit, double *r, dls_info *info, dls_error *error);
-
-/* ---- named.c --------------------------------------------------------------------------------- */
-
-/* A contact problem by the name of a file or of a scene. Start from {0}; free it after a failed
- * load, too. */
-typedef struct named {
-  problem file;
-  dls_fe_scene *scene;
-  dls_reduction *reduction; /* of the scene */
-  dls_contact contact;
-  char name[96]; /* without directories and ending */
-} named;
-
-dls_status named_load(const char *name, named *p, dls_error *error);
-void named_free(named *p);
-
-/* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
- * stderr for each. Returns how many names are left, in front. */
-int leave_lcps(int count, char **names);
+/* Solves once more by contender k and records. */
+dls_status record_history(history *h, race *a, int k, double tol, double limit, double *r,
+                          dls_info *info, dls_error *error);
 
 #endif

@@ -1,501 +1,298 @@
-/* report.c: prints messages, JSON and progress on a terminal, and listens to signals. */
+/*
+ * report.c: delassus report NAME...: one page each that answers how accurate, how fast and how
+ * stable, and what is enough.
+ *
+ *   1  the verdict: what to take
+ *   2  the error budget, and the cheapest setting that is accurate enough (report_budget.c)
+ *   3  speed against accuracy: chart          4  stability: map
+ *   5  bodies that move: energy               6  contacts
+ *   7  the commands that draw each part again
+ */
 #define _GNU_SOURCE
-#include <errno.h>
-#include <float.h>
+#include <getopt.h>
 #include <math.h>
-#include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
-#include "cli.h"
+#include "matrices.h"
+#include "report.h"
 
-int complain(const char *format, ...) {
-  char text[QUOTED_ROOM];
-  va_list args;
-  va_start(args, format);
-  if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
-  va_end(args);
-  fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
-  return EXIT_BAD_INPUT;
+enum { SLUG = 80 };
+
+/* Parts of the CPU: the budget, and each of chart and map. */
+static const double budget_share = 0.55, quick_share = 0.95, part_share = 0.2;
+static const double own_accuracy = 1e-2, own_cpu = 60, quick_cpu = 20;
+
+typedef struct report_options {
+  double accuracy, cpu; /* cpu: seconds for a page; 0: own_cpu, quick_cpu */
+  int text, quick;
+  const char *out;
+  source from;
+} report_options;
+
+static void report_usage(FILE *out) {
+  fputs("Usage: delassus report [OPTION]... FILE|SCENE...\n"
+        "  or:  delassus report [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
+        "Writes a page (HTML) for each name: what to take for a wanted accuracy, how far mesh,\n"
+        "steps and tolerance move the answer, speed against accuracy, where methods fail, energy,\n"
+        "contacts, and the commands that draw each part again. The page needs no network.\n"
+        "\n"
+        "      --accuracy=E      wanted relative accuracy of the scene's answer (0.01)\n"
+        "      --cpu=S           approximate CPU seconds for a page (60; --quick 20)\n"
+        "      --quick           the verdict, the error budget and the contacts only\n"
+        "      --text            print the page as text, too\n"
+        "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
+        "printed)\n" LAST_USAGE "\n"
+        "Exit status: 0, 1 if no setting is measured to be accurate enough, 2 bad input.\n\n",
+        out);
+  source_usage(out);
 }
 
-int complain_of(const char *what, const dls_error *error) {
-  return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
+/* A page while it is made. */
+typedef struct report {
+  const report_options *options;
+  const char *shown; /* the name that was given */
+  page page;
+  parts parts;
+  char slug[SLUG], file[SLUG + 8], folder[PATH_ROOM], verdict[PAGE_SENTENCE];
+} report;
+
+static int printed; /* pages in the object of --json */
+
+/* Prints a page as a field of the object. */
+static void print_page(const report *a, int met) {
+  if (!is_json()) return;
+  if (!printed++) fputs("{\n  \"command\": \"report\"", stdout);
+  fputs(",\n  ", stdout);
+  print_json_string(stdout, a->file);
+  fputs(": {\"name\": ", stdout);
+  print_json_string(stdout, a->shown);
+  printf(", \"met\": %s, \"verdict\": ", met ? "true" : "false");
+  print_json_string(stdout, a->verdict);
+  fputs("}", stdout);
 }
 
-static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
-static int loudness, json;             /* -1 quiet, 1 verbose; 1: --json */
-static volatile sig_atomic_t interrupted;
-static volatile sig_atomic_t ends_at_once; /* 1: there is nothing yet that a signal may not end */
-
-int take_loudness(int key) {
-  if (key == 0) loudness = json = 0;
-  if (key == 'j') json = 1;
-  if (key == 'v' || key == 'q') loudness = key == 'v' ? 1 : -1;
-  return key == 0 || key == 'j' || key == 'v' || key == 'q';
-}
-
-int is_quiet(void) {
-  return loudness < 0;
-}
-
-int is_verbose(void) {
-  return loudness > 0;
-}
-
-int is_json(void) {
-  return json;
-}
-
-int prints_text(void) {
-  return loudness >= 0 && !json;
-}
-
-void tell(const char *format, ...) {
-  va_list args;
-  if (!prints_text()) return;
-  va_start(args, format);
-  vprintf(format, args);
-  va_end(args);
-}
-
-/* Prints the last line: "solved" and how well, or why not (NULL where it is solved). */
-static void print_last_line(const char *why, const char *how_well) {
-  if (json) return;
-  const char *no_color = getenv("NO_COLOR");
-  const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
-  const char *on = !color ? "" : why ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
-  if (why)
-    printf("%snot solved: %s%s\n", on, why, off);
+/* Makes a file's name of any name: letters, digits, points and dashes stay. */
+static void make_slug(const char *name, int number, char slug[SLUG]) {
+  char base[SLUG - 16];
+  shorten(name, base, sizeof base);
+  for (char *c = base; *c; c++)
+    if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_", *c)) *c = '_';
+  if (base[0] == '.' || base[0] == '-') base[0] = '_';
+  if (number > 1)
+    (void)snprintf(slug, SLUG, "%s-%d", base, number);
   else
-    printf("%ssolved%s%s\n", on, how_well, off);
+    (void)snprintf(slug, SLUG, "%s", base);
 }
 
-int is_solved(dls_status status) {
-  return status == DLS_OK || status == DLS_TO_ROUNDING;
+/* Begins the page with its verdict; returns 0 after a complaint. */
+static int begin_page(report *a, const char *directory) {
+  const report_options *o = a->options;
+  char title[200], options[80];
+  (void)snprintf(options, sizeof options, "--accuracy=%g --cpu=%g%s", o->accuracy, o->cpu,
+                 o->quick ? " --quick" : "");
+  part_note(&a->parts, options);
+  (void)snprintf(title, sizeof title, "%.150s", a->shown);
+  if (!page_open(&a->page, directory, a->file, title, o->text && !is_json())) return 0;
+  page_say(&a->page, PAGE_LEAD, "%s.", a->verdict);
+  return 1;
 }
 
-void print_ending(dls_status status, const dls_info *info) {
-  char how_well[120] = "", why[160] = "";
-  const dls_certificate *c = info ? &info->certificate : NULL;
-  if (c && status == DLS_TO_ROUNDING)
-    (void)snprintf(how_well, sizeof how_well, " to rounding: positions to %.0e, forces to %.0e",
-                   fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
-  else if (c && info->error > DBL_MAX)
-    (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined%s",
-                   info->forces == DLS_FORCES_LEAST ? ", the least are given" : "");
-  else if (c && info->error > told_error)
-    (void)snprintf(how_well, sizeof how_well, ": reactions to about %.0e", info->error);
-  if (c && status == DLS_NOT_IN_EQUILIBRIUM)
-    (void)snprintf(why, sizeof why, "%s: a force of %.3g on body %d is not balanced",
-                   dls_status_text(status), c->unbalanced, c->body);
-  print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
+/* Adds the sections of other commands; contact: of a scene in steps, one step. */
+static void add_parts(report *a, const dls_contact *contact) {
+  if (a->options->quick) return;
+  part_speed(&a->parts, a->options->from.step);
+  page_say(&a->page, PAGE_SECTION, "Stability");
+  part_stability(&a->parts, contact);
 }
 
-dls_status count_freedom(const dls_contact *contact, const double *r, int *freedom,
-                         dls_error *error) {
-  *freedom = FREEDOM_TOO_LARGE;
-  if (contact->d * contact->nc > most_rows_of_freedom) return DLS_OK;
-  return dls_contact_freedom(contact, r, freedom, error);
-}
-
-const char *freedom_words(int freedom, dls_forces forces, char *text) {
-  text[0] = '\0';
-  if (freedom == FREEDOM_ON_K)
-    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted on K (--on=W counts them)");
-  if (freedom == FREEDOM_TOO_LARGE)
-    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted for more than %d rows",
-                   most_rows_of_freedom);
-  if (freedom > 0)
-    (void)snprintf(
-        text, FREEDOM_ROOM,
-        "%d self-stress%s: the sum on each body is determined, single reactions are not; %s",
-        freedom, freedom == 1 ? "" : "es",
-        forces == DLS_FORCES_LEAST ? "these are the least" : "--forces=least gives the least");
-  return text;
-}
-
-const char *proof_words(const dls_proof *proof, char *text, size_t size) {
-  static const char *const words[] = {
-      [DLS_FREE] = "free", [DLS_SLIP] = "slip", [DLS_STICK] = "stick"};
-  if (proof->kind == DLS_PROVED && proof->radius == 0)
-    (void)snprintf(text, size, "proved: reactions exact");
-  else if (proof->kind == DLS_PROVED)
-    (void)snprintf(text, size, "proved: reactions within %.0e", proof->radius);
-  else if (proof->kind == DLS_PROVED_POSITIONS)
-    (void)snprintf(text, size, "proved: positions within %.0e; reactions have %d self-stress%s",
-                   proof->radius_u, proof->freedom, proof->freedom > 1 ? "es" : "");
-  else if (proof->border)
-    (void)snprintf(text, size, "not proved: contact %d is at the border between %s and %s",
-                   proof->contact, words[proof->state], words[proof->other]);
-  else
-    (void)snprintf(text, size, "not proved");
-  return text;
-}
-
-void print_proved(const dls_proof *proof) {
-  char room[120], words[130];
-  (void)snprintf(words, sizeof words, " (%s)", proof_words(proof, room, sizeof room));
-  print_last_line(NULL, words);
-}
-
-int end_command(int result, const char *why) {
-  if (result == EXIT_BAD_INPUT) return result;
-  if (interrupted) {
-    result = EXIT_NOT_SOLVED;
-    why = dls_status_text(DLS_CANCELLED);
+/* Adds the end; returns the exit status. */
+static int end_page(report *a, const char *directory, int met) {
+  if (a->page.pictures == 0 && !a->options->quick) {
+    page_say(&a->page, PAGE_NOTE, "No pictures: install gnuplot (Debian: gnuplot-nox).");
+    if (!a->parts.scene) (void)complain("no pictures; install gnuplot (Debian: gnuplot-nox)");
   }
-  print_last_line(result == EXIT_SOLVED ? NULL : why, "");
+  page_say(&a->page, PAGE_SECTION, "Commands");
+  part_commands(&a->parts);
+  if (!page_close(&a->page, a->file)) return EXIT_BAD_INPUT;
+  print_page(a, met);
+  if (!a->page.text) tell("%s: %s.\n", quote(AS_SHOWN, a->shown).text, a->verdict);
+  tell("page: %s/%s\n", quote(AS_SHOWN, directory).text, a->file);
+  return met ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+}
+
+/* ---- a scene --------------------------------------------------------------------------------- */
+
+static void add_scene(report *a, const budget *b, const problem *p) {
+  page_say(&a->page, PAGE_SECTION, "Error budget");
+  budget_tables(b, &a->page);
+  page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
+  if (budget_picture(b, a->folder))
+    (void)page_picture(&a->page, a->folder, "budget.svg",
+                       "What each part costs and brings: the error that it leaves against CPU");
+  if (*p->note) page_say(&a->page, PAGE_NOTE, "The methods: %s.", p->note);
+  add_parts(a, &p->contact);
+  part_run(&a->parts, &b->probe[b->take].got);
+}
+
+static int report_scene(report *a, const scene *s, const char *directory) {
+  const report_options *o = a->options;
+  budget *b = calloc(1, sizeof *b);
+  problem p = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
+  int result = EXIT_BAD_INPUT;
+  if (!b) return complain_of(s->name, &error);
+  *b = (budget){.scene = s,
+                .accuracy = o->accuracy,
+                .limit = (o->quick ? quick_share : budget_share) * o->cpu};
+  if (budget_run(b, &error) || b->take < 0) {
+    if (was_interrupted())
+      result = EXIT_NOT_SOLVED;
+    else
+      (void)complain_of(s->name, &error);
+    free(b);
+    return result;
+  }
+  budget_verdict(b, a->verdict, sizeof a->verdict);
+  a->parts.scene = s;
+  a->parts.take = &b->probe[b->take].at;
+  if ((o->quick || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
+      begin_page(a, directory)) {
+    add_scene(a, b, &p);
+    result = end_page(a, directory, b->met);
+  }
+  problem_free(&p);
+  free(b);
   return result;
 }
 
-const char *plural(long long count) {
-  return count == 1 ? "" : "s";
+/* ---- a file, or matrices --------------------------------------------------------------------- */
+
+/* Adds the budget and the rest of the page. */
+static int add_contact(report *a, const dls_contact *contact, const char *directory) {
+  const report_options *o = a->options;
+  file_budget b = {.contact = contact,
+                   .accuracy = o->accuracy,
+                   .limit = (o->quick ? quick_share : budget_share) * o->cpu};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
+  int result = EXIT_BAD_INPUT;
+  if (file_budget_run(&b, &error)) {
+    (void)complain_of(a->parts.name, &error);
+  } else {
+    file_verdict(&b, a->verdict, sizeof a->verdict);
+    if (begin_page(a, directory)) {
+      page_say(&a->page, PAGE_SECTION, "Error budget");
+      file_tables(&b, &a->page);
+      page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
+      add_parts(a, contact);
+      page_say(&a->page, PAGE_SECTION, "Contacts");
+      file_contacts(&b, &a->page);
+      result = end_page(a, directory, b.take >= 0);
+    }
+  }
+  file_budget_free(&b);
+  return result;
 }
 
-const char *point_for_comma(const char *text, char *room, size_t size) {
-  char *end;
-  const char *comma = strchr(text, ',');
-  if (!comma || strchr(comma + 1, ',') || snprintf(room, size, "%s", text) >= (int)size)
-    return NULL;
-  room[comma - text] = '.';
-  (void)strtod(room, &end);
-  return end > room && !*end ? room : NULL;
+/* Writes the condensed problem of matrices as a file, which chart and map read. */
+static int save_problem(report *a, const problem *p, char path[PATH_ROOM]) {
+  dls_error error = {0};
+  if (!join_path(path, a->folder, "problem.hdf5")) return 0;
+  a->parts.name = path;
+  if (!dls_fclib_write_local(path, &p->contact, a->shown, NULL, NULL, &error)) return 1;
+  return complain_of(path, &error), 0;
 }
 
-taken parse_number(const char *option, const char *text, double *value) {
-  char *end;
-  errno = 0;
-  const double v = strtod(text, &end);
-  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
-    char room[64];
-    const char *point = point_for_comma(text, room, sizeof room);
-    if (point)
-      complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
-               point);
+static int report_contact(report *a, const char *directory) {
+  problem p = {0};
+  char path[PATH_ROOM];
+  int result = EXIT_BAD_INPUT;
+  if (problem_open(a->shown, &a->options->from, &p) && make_directory(a->folder) &&
+      (!p.matrices || save_problem(a, &p, path))) {
+    problem_fit_threads(&p);
+    result = add_contact(a, &p.contact, directory);
+  } else if (was_interrupted()) {
+    result = EXIT_NOT_SOLVED;
+  }
+  problem_free(&p);
+  return result;
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+/* Makes the page of a name; number: of names so far that make the same file name. */
+static int report_name(const char *name, int number, const report_options *o,
+                       const char *directory) {
+  report *a = calloc(1, sizeof *a);
+  scene s;
+  dls_error error = {0};
+  dls_status status = DLS_OK;
+  int result = EXIT_BAD_INPUT;
+  if (!a) return complain("%s: out of memory", name);
+  a->options = o;
+  a->shown = name;
+  make_slug(name, number, a->slug);
+  (void)snprintf(a->file, sizeof a->file, "%s.html", a->slug);
+  a->parts.page = &a->page;
+  a->parts.name = name;
+  a->parts.folder = a->folder;
+  a->parts.cpu = part_share * o->cpu;
+  if (join_path(a->folder, directory, a->slug)) {
+    if (matrices_given(&o->from.matrices) || !scene_find(name, &s, &status, &error))
+      result = report_contact(a, directory);
     else
-      complain("--%s: '%s' is not a number >= 0", option, text);
-    return OPTION_WRONG;
+      result = status ? complain_of(name, &error) : report_scene(a, &s, directory);
   }
-  *value = v;
-  return OPTION_TAKEN;
+  free(a);
+  return result;
 }
 
-taken parse_mesh(const char *text, int *nx, int *ny) {
-  char more;
-  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
-  complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
-  return OPTION_WRONG;
-}
-
-taken parse_count(const char *option, const char *text, int *value) {
-  return parse_count_to(option, text, 1000000000, value);
-}
-
-taken parse_count_to(const char *option, const char *text, int most, int *value) {
-  char *end;
-  errno = 0;
-  const long v = strtol(text, &end, 10);
-  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
-    complain("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
-    return OPTION_WRONG;
+/* Counts the names before k that make the same file name as that of k, and k. */
+static int count_alike(char **names, int k) {
+  char own[SLUG], other[SLUG];
+  int count = 1;
+  make_slug(names[k], 1, own);
+  for (int i = 0; i < k; i++) {
+    make_slug(names[i], 1, other);
+    count += !strcmp(own, other);
   }
-  *value = (int)v;
-  return OPTION_TAKEN;
+  return count;
 }
 
-double largest_entry(const double *v, int n) {
-  double m = 0;
-  for (int i = 0; i < n; i++)
-    if (fabs(v[i]) > m) m = fabs(v[i]);
-  return m;
-}
-
-const char *status_word(dls_status status) {
-  static const char *const words[] = {
-      [DLS_OK] = "solved",
-      [DLS_MAX_ITERATIONS] = "max_iterations",
-      [DLS_CANCELLED] = "cancelled",
-      [DLS_STALLED] = "stalled",
-      [DLS_RAY] = "ray",
-      [DLS_NO_SOLUTION] = "no_solution",
-      [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
-      [DLS_TIME_LIMIT] = "time_limit",
-      [DLS_FOLDED] = "folded",
-      [DLS_TO_ROUNDING] = "to_rounding",
-      [DLS_NOT_IN_EQUILIBRIUM] = "not_in_equilibrium",
-  };
-  return status < 0 ? "error" : words[status];
-}
-
-const char *unsolved_words(dls_status status, double residual, char *text, size_t size) {
-  text[0] = '\0';
-  if (!is_solved(status))
-    (void)snprintf(text, size, "not solved: %s, residual %.2e", dls_status_text(status), residual);
-  return text;
-}
-
-const char *state_word(dls_contact_state state) {
-  return state == DLS_FREE ? "free" : state == DLS_SLIP ? "slip" : "stick";
-}
-
-const char *iteration_word(dls_method method, int count) {
-  const int one = count == 1;
-  if (method == DLS_NLGS) return one ? "sweep" : "sweeps";
-  if (method == DLS_LEMKE) return one ? "exchange" : "exchanges";
-  if (method == DLS_NEWTON) return one ? "step" : "steps";
-  if (method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY)
-    return one ? "augmentation" : "augmentations";
-  return one ? "iteration" : "iterations";
-}
-
-const char *method_word(const outcome *o) {
-  return o->primal ? "gauss-seidel" : o->as_printed ? "jean" : dls_method_name(o->info.method);
-}
-
-void print_stages(const dls_info *info) {
-  for (int k = 0; k < info->stages; k++) {
-    const dls_stage *s = &info->stage[k];
-    printf("    %s: %d %s", dls_step_name(s->step), s->iterations,
-           iteration_word(s->method, s->iterations));
-    if (s->factorisations != s->iterations && s->factorisations)
-      printf(", %d factorisation%s", s->factorisations, plural(s->factorisations));
-    printf(", residual %.2e: %s\n", s->residual, dls_reason_text(s->reason));
+int command_report(int argc, char **argv) {
+  static const option_row options[] = {ROW(A_NUMBER, "accuracy", 0, report_options, accuracy),
+                                       ROW(A_NUMBER, "cpu", 0, report_options, cpu),
+                                       ROW(A_FLAG, "quick", 0, report_options, quick),
+                                       ROW(A_FLAG, "text", 0, report_options, text),
+                                       ROW(A_TEXT, "out", 'o', report_options, out),
+                                       SOURCE_OPTIONS(report_options, from),
+                                       LAST_OPTIONS};
+  static const command report_command = {options, report_usage, NULL, 0};
+  report_options o = {.accuracy = own_accuracy};
+  const int stop = take_options(argc, argv, &report_command, &o);
+  if (stop != GO_ON) return stop;
+  if (!(o.accuracy > 0 && o.accuracy < 1))
+    return complain("--accuracy: '%g' is not between 0 and 1", o.accuracy);
+  int count = argc - optind;
+  char **names = source_names(&count, argv, &o.from);
+  if (!names) return EXIT_BAD_INPUT;
+  if (count == 0) return EXIT_SOLVED;
+  if (o.cpu <= 0) o.cpu = o.quick ? quick_cpu : own_cpu;
+  watch_interrupt();
+  const char *directory = take_folder(o.out, "report", NULL);
+  if (!directory) return EXIT_BAD_INPUT;
+  int result = EXIT_SOLVED;
+  for (int k = 0; k < count && result != EXIT_BAD_INPUT && !was_interrupted(); k++) {
+    const int one = report_name(names[k], count_alike(names, k), &o, directory);
+    if (one > result) result = one;
   }
-}
-
-/* ---- JSON ------------------------------------------------------------------------------------ */
-
-void print_json_string(FILE *out, const char *text) {
-  fputs(quote(AS_JSON, text).text, out);
-}
-
-void print_json_number(FILE *out, double value) {
-  if (isfinite(value))
-    fprintf(out, "%.17g", value);
-  else
-    fputs("null", out);
-}
-
-void print_json_field(FILE *out, const char *name, double value) {
-  fprintf(out, ",\n  \"%s\": ", name);
-  print_json_number(out, value);
-}
-
-static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
-  fprintf(out, ",\n  \"%s\": [", name);
-  for (int i = 0; i < n; i++) {
-    if (i) fputs(", ", out);
-    print_json_number(out, x[i]);
+  if (printed) {
+    printf(",\n  \"status\": \"%s\",\n  \"directory\": ", result == EXIT_SOLVED ? "solved"
+                                                          : result == EXIT_BAD_INPUT
+                                                              ? "error"
+                                                              : "not_solved");
+    print_json_string(stdout, directory);
+    puts("\n}");
   }
-  fputc(']', out);
-}
-
-void print_json_verdict(FILE *out, const verdict *v, int proof) {
-  if (!v->says) return;
-  fputs(",\n  \"verdict\": ", out);
-  print_json_string(out, v->says);
-  fputs(",\n  \"next\": ", out);
-  print_json_string(out, v->next);
-  if (proof && v->farkas)
-    print_json_vector(out, v->exact ? "farkas" : "farkas_to_rounding", v->rows, v->farkas);
-  if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
-}
-
-void print_explanation(const char *indent, const dls_info *info) {
-  char text[200 * (DLS_STAGES_MAX + 4)];
-  (void)dls_explain(info, text, sizeof text);
-  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
-    printf("%s%s\n", indent, line);
-}
-
-static void print_json_stages(FILE *out, const dls_info *info) {
-  fputs(",\n  \"stages\": [", out);
-  for (int k = 0; k < info->stages; k++) {
-    const dls_stage *s = &info->stage[k];
-    fprintf(
-        out,
-        "%s\n    {\"method\": \"%s\", \"iterations\": %d, \"factorisations\": %d, \"residual\": ",
-        k ? "," : "", dls_method_name(s->method), s->iterations, s->factorisations);
-    print_json_number(out, s->residual);
-    fprintf(out, ", \"step\": \"%s\", \"reason\": \"%s\", \"cpu_seconds\": %.6g}",
-            dls_step_name(s->step), dls_reason_text(s->reason), s->cpu_seconds);
-  }
-  fputc(']', out);
-}
-
-void print_residuals(const char *indent, const dls_certificate *c) {
-  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)", indent, c->residual_u,
-         c->floor_u, c->residual_r, c->floor_r);
-  if (c->floor_e > 0) printf(", equilibrium %.2e (floor %.1e)", c->equilibrium, c->floor_e);
-  putchar('\n');
-}
-
-static const char *uniqueness_word(dls_uniqueness unique) {
-  return unique == DLS_UNIQUE_YES ? "yes" : unique == DLS_UNIQUE_NO ? "no" : "unknown";
-}
-
-void print_others(const char *indent, const dls_info *info) {
-  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
-  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
-  if (info->ambiguous)
-    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
-           plural(info->ambiguous));
-}
-
-static void print_json_unsettled(FILE *out, const unsettled *from) {
-  if (from->count == 0) return;
-  fputs(",\n  \"unsettled\": [", out);
-  for (int k = 0; k < from->count; k++)
-    fprintf(out, "%s%d", k ? ", " : "", from->candidate[k]);
-  fputc(']', out);
-  print_json_field(out, "unsettled_share", from->share);
-  print_json_field(out, "sweep_growth", from->growth);
-}
-
-void print_json(FILE *out, const outcome *o) {
-  const dls_certificate *c = &o->info.certificate;
-  fputs("{\n", out);
-  if (o->scene) {
-    fputs("  \"scene\": ", out);
-    print_json_string(out, o->scene);
-    fprintf(out, ",\n  \"weighted\": %s,\n", o->weighted ? "true" : "false");
-  }
-  fprintf(out, "  \"status\": \"%s\",\n  \"method\": \"%s\",\n", status_word(o->info.status),
-          method_word(o));
-  fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
-          o->info.iterations);
-  if (o->info.regime) fprintf(out, ",\n  \"regime\": \"%s\"", dls_regime_name(o->info.regime));
-  fprintf(out, ",\n  \"forces\": \"%s\"", o->info.forces == DLS_FORCES_LEAST ? "least" : "any");
-  print_json_field(out, "freedom", o->freedom < 0 ? (double)NAN : o->freedom);
-  fprintf(out, ",\n  \"unique\": \"%s\",\n  \"ambiguous\": %d", uniqueness_word(o->info.unique),
-          o->info.ambiguous);
-  print_json_field(out, "residual", c->residual);
-  print_json_field(out, "residual_u", c->residual_u);
-  print_json_field(out, "residual_r", c->residual_r);
-  print_json_field(out, "floor_u", c->floor_u);
-  print_json_field(out, "floor_r", c->floor_r);
-  if (c->floor_e > 0) {
-    print_json_field(out, "equilibrium", c->equilibrium);
-    print_json_field(out, "floor_e", c->floor_e);
-  }
-  if (o->primal) {
-    print_json_field(out, "equilibrium", o->primal->equilibrium);
-    print_json_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
-    print_json_field(out, "laws", o->primal->laws.residual);
-    print_json_field(out, "laws_floor_u", o->primal->laws.floor_u);
-    print_json_field(out, "laws_floor_r", o->primal->laws.floor_r);
-    fprintf(out, ",\n  \"thresholds\": %d", o->primal->thresholds);
-  }
-  print_json_field(out, "penetration", c->penetration);
-  print_json_field(out, "adhesion", c->adhesion);
-  print_json_field(out, "cone_violation", c->cone_violation);
-  print_json_field(out, "slip_direction", c->slip_direction);
-  print_json_field(out, "complementarity", c->complementarity);
-  if (o->prove) {
-    char words[120];
-    fputs(",\n  \"proof\": ", out);
-    print_json_string(out, proof_words(&o->proved, words, sizeof words));
-    print_json_field(out, "radius", o->proved.kind ? o->proved.radius : NAN);
-    print_json_field(out, "radius_u", o->proved.kind ? o->proved.radius_u : NAN);
-  }
-  if (o->scene) {
-    print_json_field(out, "resultant_t", o->Rt);
-    print_json_field(out, "resultant_n", o->Rn);
-  }
-  print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
-  if (o->info.stages) print_json_stages(out, &o->info);
-  print_json_verdict(out, &o->verdict, o->proof);
-  print_json_unsettled(out, &o->unsettled);
-  fputs("\n}\n", out);
-}
-
-/* ---- time, progress, signals ----------------------------------------------------------------- */
-
-static double clock_seconds(clockid_t clock_id) {
-  struct timespec t;
-  if (clock_gettime(clock_id, &t)) return 0;
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-double cpu_seconds(void) {
-  return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
-}
-
-static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
-static int line_shown;
-
-/* Ends the work where it next looks, or at once (end_at_once). A signal that comes two seconds
- * later or more, while it does not look, ends the program. `timeout` sends its signal twice, at the
- * same time. */
-static void on_interrupt(int number) {
-  static volatile sig_atomic_t first; /* seconds */
-  struct timespec t;
-  const sig_atomic_t now =
-      clock_gettime(CLOCK_MONOTONIC, &t) ? 0 : (sig_atomic_t)(t.tv_sec % 1000000);
-  if (ends_at_once || (interrupted && now > first + 1)) {
-    (void)signal(number, SIG_DFL);
-    (void)raise(number);
-  }
-  if (!interrupted) first = now;
-  interrupted = 1;
-}
-
-void watch_interrupt(void) {
-  static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
-  struct sigaction action, before;
-  memset(&action, 0, sizeof action);
-  action.sa_handler = on_interrupt;
-  for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) /* nohup stays as it is */
-    if (signals[k] == SIGINT ||
-        (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN))
-      (void)sigaction(signals[k], &action, NULL);
-}
-
-void end_at_once(int on) {
-  ends_at_once = on;
-}
-
-int was_interrupted(void) {
-  return interrupted;
-}
-
-int show_progress(void *data, const dls_progress *p) {
-  (void)data;
-  ends_at_once = 0;
-  if (interrupted) return 1;
-  if (is_verbose()) {
-    fprintf(stderr, "%s: %d", p->last ? p->method : p->stage, p->iteration);
-    if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
-    if (p->cpu_seconds > 0) fprintf(stderr, ", %.3g s of CPU", p->cpu_seconds);
-    if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
-    fputs(p->last ? ", end\n" : "\n", stderr);
-    return 0;
-  }
-  if (p->last || is_quiet()) return 0;
-  const double now = clock_seconds(CLOCK_MONOTONIC);
-  if (first_shown == 0) first_shown = now;
-  if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
-  last_shown = now;
-  line_shown = 1;
-  fprintf(stderr, "\r%s: %d", p->stage, p->iteration);
-  if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
-  if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
-  fputs("\033[K", stderr);
-  fflush(stderr);
-  return 0;
-}
-
-int show_reduction(void *data, const dls_progress *p) {
-  ends_at_once = 0;
-  if (p->last) progress_end();
-  return is_verbose() ? interrupted : show_progress(data, p);
-}
-
-void progress_end(void) {
-  if (line_shown) fputs("\r\033[K", stderr);
-  line_shown = 0;
+  return end_command(result, "no setting is measured to be accurate enough");
 }

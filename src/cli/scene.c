@@ -26,8 +26,8 @@ typedef struct scene_options {
   const char *out, *save, *reference; /* NULL: none */
 } scene_options;
 
-/* The tolerance at which Gauss-Seidel and Lemke agree to 1e-10 in r. */
-static const double default_tol = 1e-14;
+/* A thousandth of what halving the mesh changes (docs/decisions.md, "The tolerance of a scene"). */
+const double scene_tol = 1e-6;
 
 static void scene_usage(FILE *out) {
   fputs("Usage: delassus scene [OPTION]... NAME\n"
@@ -40,7 +40,7 @@ static void scene_usage(FILE *out) {
       out,
       ",\n                        or gauss-seidel, on the displacements; or jean, the paper's"
       "\n                        sweeps, which stop at a relative change of 1e-4",
-      default_tol);
+      scene_tol);
   fputs(
       "      --mesh=NXxNY      rectangles along x and y (16x8)\n"
       "      --mu=MU           friction (1; 0.1)\n"
@@ -73,6 +73,7 @@ typedef struct run {
   dls_primal_info primal_info;
   outcome outcome;
   dls_contact_state *state;         /* nc */
+  int *vertex;                      /* nc: node of the mesh */
   double *memory;                   /* of the arrays below */
   double *r, *u;                    /* 2 nc */
   double *R, *moved;                /* 2 * contact nodes: P r; g of the second of two steps */
@@ -95,7 +96,8 @@ static int scene_allocate(run *a) {
       sizeof *next);
   a->memory = next;
   a->state = malloc(nc * sizeof *a->state);
-  if (!next || !a->state) return 0;
+  a->vertex = malloc(nc * sizeof *a->vertex);
+  if (!next || !a->state || !a->vertex) return 0;
   a->r = next, next += 2 * nc;
   a->u = next, next += 2 * nc;
   a->R = next, next += 2 * nodes;
@@ -119,6 +121,7 @@ static void scene_release(run *a) {
   dls_fe_scene_destroy(a->scene);
   free(a->memory);
   free(a->state);
+  free(a->vertex);
 }
 
 /* ---- the computation ------------------------------------------------------------------------- */
@@ -445,8 +448,18 @@ static int write_files(const run *a, const scene_options *o) {
   if (!write_csv(a, o) || !write_json(o->out, &a->outcome)) return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
-  if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, a->stress, &error))
-    return complain_of(path, &error);
+  for (int c = 0; c < a->data.candidates; c++)
+    a->vertex[c] = a->data.contact_node[a->data.candidate_node[c]];
+  const dls_fe_fields fields = {.displacement = a->displacement,
+                                .reaction = a->reaction,
+                                .stress = a->stress,
+                                .nu = a->data.nu,
+                                .candidates = a->data.candidates,
+                                .node = a->vertex,
+                                .state = a->state,
+                                .gap = a->column[UN],
+                                .slip = a->column[UT]};
+  if (dls_fe_write_fields(path, a->data.mesh, &fields, &error)) return complain_of(path, &error);
   (void)snprintf(title, sizeof title, "%s, %s reactions, %s", o->name,
                  o->weighted ? "weighted" : "concentrated", method_word(&a->outcome));
   const scene_picture picture = {.directory = o->out,
@@ -543,60 +556,49 @@ static taken parse_young(const char *text, double *E) {
   return OPTION_WRONG;
 }
 
-/* Takes an option of the block. */
-static taken take_block_option(int key, const char *text, dls_fe_scene_settings *block) {
-  switch (key) {
-  case 'M':
-    return parse_mesh(text, &block->nx, &block->ny);
-  case 'F':
-    return parse_number("mu", text, &block->mu);
-  case 'E':
-    return parse_young(text, &block->E);
-  case 'N':
-    return parse_number("poisson", text, &block->nu);
-  case 'L':
-    return parse_load(text, block);
-  case 'O':
-    return parse_order(text, &block->order);
-  default:
-    return OPTION_UNKNOWN;
-  }
-}
+enum { KEY_YOUNG = 256, KEY_LOAD, KEY_ORDER, KEY_LIST };
 
 static taken take_scene_option(int key, const char *text, void *data) {
   scene_options *o = data;
-  if (key == 'm' && (o->as_printed = !strcmp(text, "jean"))) return OPTION_TAKEN;
-  taken shared = take_solver_option(key, text, &o->solver);
-  if (shared == OPTION_UNKNOWN) shared = take_block_option(key, text, &o->block);
-  if (shared != OPTION_UNKNOWN) return shared;
-  int *flag = key == 'w' ? &o->weighted : NULL;
-  const char **name = key == 'o'   ? &o->out
-                      : key == 's' ? &o->save
-                      : key == 'r' ? &o->reference
-                                   : NULL;
-  if (key == 'l') return list_scenes();
-  if (!flag && !name) return OPTION_UNKNOWN;
-  if (flag) *flag = 1;
-  if (name) *name = text;
-  return OPTION_TAKEN;
+  switch (key) {
+  case KEY_YOUNG:
+    return parse_young(text, &o->block.E);
+  case KEY_LOAD:
+    return parse_load(text, &o->block);
+  case KEY_ORDER:
+    return parse_order(text, &o->block.order);
+  case KEY_LIST:
+    return list_scenes();
+  default:
+    o->as_printed = key == 'm' && !strcmp(text, "jean");
+    return o->as_printed ? OPTION_TAKEN : take_solver_option(key, text, &o->solver);
+  }
 }
 
 int command_scene(int argc, char **argv) {
-  static const struct option options[] = {
-      SOLVER_OPTIONS,        VALUE("mesh", 'M'), VALUE("mu", 'F'),        VALUE("young", 'E'),
-      VALUE("poisson", 'N'), VALUE("load", 'L'), VALUE("order", 'O'),     FLAG("weighted", 'w'),
-      VALUE("out", 'o'),     VALUE("save", 's'), VALUE("reference", 'r'), FLAG("list", 'l'),
-      LAST_OPTIONS};
-  static const command scene = {SOLVER_KEYS "wo:s:", options, scene_usage, take_scene_option, 1};
+  static const option_row options[] = {SOLVER_OPTIONS(scene_options, solver),
+                                       ROW(A_MESH, "mesh", 0, scene_options, block.nx),
+                                       ROW(A_NUMBER, "mu", 0, scene_options, block.mu),
+                                       VALUE("young", KEY_YOUNG),
+                                       ROW(A_NUMBER, "poisson", 0, scene_options, block.nu),
+                                       VALUE("load", KEY_LOAD),
+                                       VALUE("order", KEY_ORDER),
+                                       ROW(A_FLAG, "weighted", 'w', scene_options, weighted),
+                                       ROW(A_TEXT, "out", 'o', scene_options, out),
+                                       ROW(A_TEXT, "save", 's', scene_options, save),
+                                       ROW(A_TEXT, "reference", 0, scene_options, reference),
+                                       FLAG("list", KEY_LIST),
+                                       LAST_OPTIONS};
+  static const command scene = {options, scene_usage, take_scene_option, 1};
   scene_options o = {0};
-  solver_options_init(&o.solver, default_tol);
+  solver_options_init(&o.solver, scene_tol);
   dls_fe_scene_settings_init(&o.block);
   const int stop = take_options(argc, argv, &scene, &o);
   if (stop != GO_ON) return stop;
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
   o.json = is_json();
-  if (!names_a_scene(o.name)) return no_scene(o.name);
+  if (!kind_of_scene(o.name)) return no_scene(o.name);
   watch_interrupt();
   return run_scene(&o);
 }

@@ -132,30 +132,7 @@ static int write_friction_csv(const influence *of, const char *directory) {
   return close_file(file, "friction.csv");
 }
 
-/* Writes each part as a matrix: row c, column k; not less than `least`. */
-static int write_map_data(const influence *of, const char *directory, double least) {
-  FILE *file = open_in(directory, "sensitivity.dat");
-  const int nc = of->contact->nc;
-  if (!file) return 0;
-  for (int part = 0; part < parts; part++) {
-    for (int c = 0; c < nc; c++)
-      for (int k = 0; k < nc; k++) {
-        fprintf(file, "%.4g%c", fmax(*map_at(of, part, c, k), least), k + 1 < nc ? ' ' : '\n');
-      }
-    fputs("\n\n", file);
-  }
-  return close_file(file, "sensitivity.dat");
-}
-
 /* ---- picture --------------------------------------------------------------------------------- */
-
-/* Places a panel; edges in parts of the picture. */
-static void place_panel(FILE *s, double left, double right, double bottom, double top) {
-  fprintf(s,
-          "  set lmargin at screen %g\n  set rmargin at screen %g\n  set bmargin at screen %g\n"
-          "  set tmargin at screen %g\n",
-          left, right, bottom, top);
-}
 
 /* Writes the maps, one above the other two by two. */
 static void draw_maps(FILE *s, const influence *of, double least, double most) {
@@ -174,14 +151,16 @@ static void draw_maps(FILE *s, const influence *of, double least, double most) {
             "  set title '{/:Bold %s}' offset 0,-0.6\n  set xlabel 'q of contact' offset 0,0.5\n"
             "  set ylabel 'r of contact' offset 0.8,0\n  %sset colorbox\n",
             title[part], column ? "" : "un");
-    fprintf(s, "  plot 'sensitivity.dat' index %d matrix using 1:2:3 with image notitle\n", part);
+    fprintf(
+        s,
+        "  plot 'sensitivity.csv' every ::1 using 2:1:($%d > %g ? $%d : %g) with image notitle\n",
+        3 + part, least, 3 + part, least);
   }
 }
 
 /* Writes r, or d r / d mu, along the contacts, the states as points. */
 static void draw_curves(FILE *s, const influence *of, int by_friction) {
   static const char *const colour[] = {"#3060a0", "#c03020", "#1b7837"};
-  static const char *const dot[] = {"#909090", "#d95f02", "#1b7837"};
   static const char letter[] = "nts";
   const int d = of->contact->d;
   place_panel(s, by_friction ? 0.59 : 0.10, by_friction ? 0.97 : 0.48, 0.06, 0.31);
@@ -192,7 +171,7 @@ static void draw_curves(FILE *s, const influence *of, int by_friction) {
           "  set key top left samplen 2\n  plot 0 with lines lc rgb '#c0c0c0' notitle",
           of->contact->nc - 0.5,
           by_friction ? "d r / d mu, all mu together" : "reactions; points: states",
-          by_friction ? "d r / d mu" : "r");
+          by_friction ? "d r / d mu [force]" : "r [force]");
   for (int i = 0; i < d && i < 3; i++)
     fprintf(s,
             ", \\\n       'friction.csv' every ::1 using 1:%d with lines lw 2 lc rgb '%s' title "
@@ -203,7 +182,8 @@ static void draw_curves(FILE *s, const influence *of, int by_friction) {
     fprintf(s,
             ", \\\n       '' every ::1 using 1:($2==%d?$%d:NaN) with points pt 7 ps 0.8 lc rgb "
             "'%s' title '%s'",
-            k, 3 + d * by_friction, dot[k], by_friction ? "" : state_word((dls_contact_state)k));
+            k, 3 + d * by_friction, state_colour((dls_contact_state)k),
+            by_friction ? "" : state_word((dls_contact_state)k));
   fputc('\n', s);
 }
 
@@ -215,26 +195,19 @@ static int draw_sensitivity(const influence *of, const char *name, const char *d
     most = fmax(most, of->map[k]);
   if (!(most > 0)) most = 1;
   const double least = decades * most;
-  if (!write_map_csv(of, directory) || !write_friction_csv(of, directory) ||
-      !write_map_data(of, directory, least))
-    return EXIT_BAD_INPUT;
-  FILE *s = open_in(directory, "sensitivity.gp");
+  if (!write_map_csv(of, directory) || !write_friction_csv(of, directory)) return EXIT_BAD_INPUT;
+  FILE *s = open_script(directory, "sensitivity");
   if (!s) return EXIT_BAD_INPUT;
-  fputs("set datafile separator ','\nset datafile missing 'nan'\n", s);
   begin_pictures(s, "sensitivity", 1150, 1600);
+  fputs("  set datafile separator ','\n  set datafile missing 'nan'\n", s);
   char title[200], file[100];
   shorten(name, file, sizeof file);
   (void)snprintf(title, sizeof title, "%s: w_c |d r_c / d q_k|, and what friction does", file);
-  fprintf(s, "  set multiplot title %s noenhanced\n  set datafile separator whitespace\n",
-          quote(AS_GNUPLOT, title).text);
+  fprintf(s, "  set multiplot title %s noenhanced\n", quote(AS_GNUPLOT, title).text);
   draw_maps(s, of, least, most);
-  fputs("  set datafile separator ','\n", s);
   draw_curves(s, of, 0);
   draw_curves(s, of, 1);
-  fputs("  unset multiplot\n  unset output\n  reset\n}\n", s);
-  if (!close_file(s, "sensitivity.gp")) return EXIT_BAD_INPUT;
-  (void)run_gnuplot(directory, "sensitivity.gp"); /* data and script stay */
-  return EXIT_SOLVED;
+  return draw_script(s, directory, "sensitivity") ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }
 
 /* ---- text ------------------------------------------------------------------------------------ */

@@ -9,29 +9,28 @@
 #include "hints.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE, KEY_FORCES };
+enum { KEY_FORCES = 256 };
 
 typedef struct solve_options {
   solver_options solver;
-  matrix_options matrices;
+  source from;
   int lcp, json, proof, prove, print, explain;
   const char *out, *csv, *history, *plot; /* NULL: none */
 } solve_options;
 
 static void solve_usage(FILE *out) {
-  fputs(
-      "Usage: delassus solve [OPTION]... FILE\n"
-      "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
-      "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
-      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
-      "Solves a contact problem from a file (FCLIB, local or global; or text) or from the "
-      "matrices\n"
-      "of a host code, or an LCP (Matrix Market, or text) by Lemke's method. The last line on\n"
-      "stdout is 'solved' or 'not solved: WHY'. Each file may be a pipe, or - for standard input.\n"
-      "delassus-solve(1) has the layout of FCLIB files.\n"
-      "\n",
-      out);
-  matrices_usage(out);
+  fputs("Usage: delassus solve [OPTION]... FILE|SCENE\n"
+        "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
+        "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
+        "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
+        "Solves a contact problem from a file (FCLIB, local or global; or text), of a scene,\n"
+        "or from the matrices of a host code, or an LCP (Matrix Market, or text) by Lemke's\n"
+        "method. The last line on stdout is 'solved' or 'not solved: WHY'. Each file may be a\n"
+        "pipe, or - for standard input.\n"
+        "delassus-solve(1) has the layout of FCLIB files.\n"
+        "\n",
+        out);
+  source_usage(out);
   fputs("\nThe solver:\n", out);
   solver_usage(out, "", 1e-8);
   fputs(
@@ -204,21 +203,13 @@ static int solve_contact(const char *path, const solve_options *options) {
   dls_error error = {0};
   double *r = NULL, *u = NULL, *x = NULL;
   int result = EXIT_BAD_INPUT;
-  int loaded;
-  matrix_options matrices = options->matrices;
+  source from = options->from;
   const dls_solver_settings *asked = &options->solver.settings;
   if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without ||
        asked->forces) &&
-      matrices.on != DLS_ON_K)
-    matrices.on = DLS_ON_W;
-  if (matrices_name(&matrices))
-    loaded = matrices_load(&matrices, &p);
-  else {
-    const dls_status status = problem_load(path, 1, matrices.on, &p, &error);
-    loaded = !status;
-    if (status < 0) (void)complain_of(path, &error);
-  }
-  if (!loaded) { /* a reduction may have been cancelled */
+      !(from.matrices.where && !strcmp(from.matrices.where, "K")))
+    from.matrices.on = DLS_ON_W;
+  if (!problem_open(path, &from, &p)) { /* a reduction may have been cancelled */
     if (was_interrupted()) result = end_command(EXIT_NOT_SOLVED, NULL);
     goto end;
   }
@@ -437,8 +428,7 @@ static int solve_file(const char *path, const solve_options *options) {
   dls_text *text;
   int n;
   const double *M, *q;
-  if (matrices_name(&options->matrices)) return solve_contact(path, options);
-  if (is_no_problem(path)) return EXIT_BAD_INPUT;
+  if (matrices_name(&options->from.matrices)) return solve_contact(path, options);
   if (!read_lcp_text(path, &text))
     return options->lcp
                ? complain("--lcp: %s holds no LCP; a contact problem goes without --lcp", path)
@@ -473,67 +463,37 @@ static taken parse_forces(const char *text, dls_forces *forces) {
 
 static taken take_solve_option(int key, const char *text, void *data) {
   solve_options *o = data;
-  const taken shared = take_solver_option(key, text, &o->solver);
-  if (shared != OPTION_UNKNOWN) return shared;
-  const taken matrix = take_matrix_option(key, text, &o->matrices);
-  if (matrix != OPTION_UNKNOWN) return matrix;
-  if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
-  if (key == 'o')
-    o->out = text;
-  else if (key == 'H')
-    o->history = text;
-  else if (key == 'P')
-    o->plot = text;
-  else if (key == 'l')
-    o->lcp = 1;
-  else if (key == 'p')
-    o->proof = 1;
-  else if (key == KEY_PROVE)
-    o->prove = 1;
-  else if (key == KEY_PRINT)
-    o->print = 1;
-  else if (key == KEY_CSV)
-    o->csv = text;
-  else if (key == KEY_PLAN)
-    o->solver.settings.plan = text;
-  else if (key == KEY_WITHOUT)
-    o->solver.settings.without = text;
-  else if (key == KEY_EXPLAIN)
-    o->explain = 1;
-  else if (key == KEY_FORCES)
-    return parse_forces(text, &o->solver.settings.forces);
-  else
-    return OPTION_UNKNOWN;
-  return OPTION_TAKEN;
+  return key == KEY_FORCES ? parse_forces(text, &o->solver.settings.forces)
+                           : take_solver_option(key, text, &o->solver);
 }
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,
-                                          VALUE("facets", 'f'),
-                                          VALUE("out", 'o'),
-                                          VALUE("output", 'o'),
-                                          VALUE("history", 'H'),
-                                          VALUE("plot", 'P'),
-                                          FLAG("lcp", 'l'),
-                                          FLAG("proof", 'p'),
-                                          FLAG("prove", KEY_PROVE),
-                                          MATRIX_OPTIONS,
-                                          FLAG("print", KEY_PRINT),
-                                          VALUE("csv", KEY_CSV),
-                                          VALUE("plan", KEY_PLAN),
-                                          VALUE("without", KEY_WITHOUT),
-                                          FLAG("explain", KEY_EXPLAIN),
-                                          VALUE("forces", KEY_FORCES),
-                                          LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:H:P:p", options, solve_usage, take_solve_option,
-                                0};
-  solve_options o = {0};
+  static const option_row options[] = {
+      SOLVER_OPTIONS(solve_options, solver),
+      ROW(A_COUNT, "facets", 'f', solve_options, solver.settings.facets),
+      ROW(A_TEXT, "out", 'o', solve_options, out),
+      ROW(A_TEXT, "output", 0, solve_options, out),
+      ROW(A_TEXT, "history", 'H', solve_options, history),
+      ROW(A_TEXT, "plot", 'P', solve_options, plot),
+      ROW(A_FLAG, "lcp", 0, solve_options, lcp),
+      ROW(A_FLAG, "proof", 'p', solve_options, proof),
+      ROW(A_FLAG, "prove", 0, solve_options, prove),
+      ROW(A_FLAG, "print", 0, solve_options, print),
+      ROW(A_TEXT, "csv", 0, solve_options, csv),
+      ROW(A_TEXT, "plan", 0, solve_options, solver.settings.plan),
+      ROW(A_TEXT, "without", 0, solve_options, solver.settings.without),
+      ROW(A_FLAG, "explain", 0, solve_options, explain),
+      VALUE("forces", KEY_FORCES),
+      SOURCE_OPTIONS(solve_options, from),
+      LAST_OPTIONS};
+  static const command solve = {options, solve_usage, take_solve_option, 0};
+  solve_options o = {.from = {.solves = 1}};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
   if (stop != GO_ON) return stop;
   o.json = is_json();
-  const char *named = matrices_name(&o.matrices);
-  if (!named && matrices_given(&o.matrices))
+  const char *named = matrices_name(&o.from.matrices);
+  if (!named && matrices_given(&o.from.matrices))
     return complain("give one of --stiffness, --flexibility and --W");
   const int files = argc - optind;
   if (o.lcp && files == 1 && other_kind(argv[optind]))

@@ -354,17 +354,10 @@ static void tables_usage(FILE *out) {
         out);
 }
 
-static taken take_tables_option(int key, const char *text, void *data) {
-  tables_options *o = data;
-  (void)text;
-  if (key != 's') return OPTION_UNKNOWN;
-  o->study = 1;
-  return OPTION_TAKEN;
-}
-
 int command_tables(int argc, char **argv) {
-  static const struct option options[] = {FLAG("study", 's'), LAST_OPTIONS};
-  static const command tables = {"", options, tables_usage, take_tables_option, 0};
+  static const option_row options[] = {ROW(A_FLAG, "study", 0, tables_options, study),
+                                       LAST_OPTIONS};
+  static const command tables = {options, tables_usage, NULL, 0};
   tables_options o = {0};
   const int stop = take_options(argc, argv, &tables, &o);
   if (stop != GO_ON) return stop;

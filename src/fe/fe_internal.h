@@ -77,8 +77,11 @@ typedef struct dlsi_cells {
  * plane  one array of the data of points, or the points: vectors x of the plane (2 nodes), which
  *        VTK wants in space
  * cells  ends the data of points, begins the data of cells
+ * contact  three arrays of the data of points: "contact", "gap", "slip" of the fields
  * means  one array of the data of cells: the mean over the points of each cell; head: Name and
  *        component attributes; x: components x points x cells
+ * tensor  the array "stress": the mean over the points of each cell of x: xx, yy, xy, and zz = nu
+ *        (xx + yy) (components = 3), or xx, yy, zz, xy (components = 4)
  * end    everything else: xy (2 nodes); finishes the file */
 dls_status dlsi_vtu_begin(dlsi_output *out, const char *path, int nodes, int cells,
                           dls_error *error);
@@ -86,6 +89,9 @@ void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, in
 void dlsi_vtu_cells(FILE *file);
 void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
                     const dlsi_cells *cells, int digits);
+void dlsi_vtu_contact(FILE *file, const dls_fe_fields *fields, int nodes, int digits);
+void dlsi_vtu_tensor(FILE *file, const double *x, int components, double nu, int points,
+                     const dlsi_cells *cells, int digits);
 dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dlsi_cells *cells,
                         int digits, dls_error *error);
 

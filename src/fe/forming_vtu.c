@@ -1,4 +1,5 @@
 /* forming_vtu.c: writes a forming scene and its tools as unstructured grids of VTK XML, ascii. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "fe_internal.h"
@@ -6,8 +7,8 @@
 
 enum { digits = 9 };
 
-static dls_status forming_write_grid(const dls_forming_data *d, const dlsi_cells *cells,
-                                     const char *path, dls_error *error) {
+static dls_status forming_write_grid(const dls_forming_data *d, const dls_fe_fields *fields,
+                                     const dlsi_cells *cells, const char *path, dls_error *error) {
   const dls_forming_mesh *mesh = d->mesh;
   dlsi_output out;
   const dls_status status = dlsi_vtu_begin(&out, path, mesh->nodes, cells->cells, error);
@@ -15,11 +16,9 @@ static dls_status forming_write_grid(const dls_forming_data *d, const dlsi_cells
   FILE *file = out.file;
   dlsi_vtu_plane(file, "displacement", d->displacement, mesh->nodes, digits);
   dlsi_vtu_plane(file, "reaction", d->reaction, mesh->nodes, digits);
+  dlsi_vtu_contact(file, fields, mesh->nodes, digits);
   dlsi_vtu_cells(file);
-  dlsi_vtu_means(file,
-                 "Name=\"stress\" NumberOfComponents=\"4\" ComponentName0=\"11\" "
-                 "ComponentName1=\"22\" ComponentName2=\"33\" ComponentName3=\"12\"",
-                 d->stress, 4, 4, cells, digits);
+  dlsi_vtu_tensor(file, d->stress, 4, 0, 4, cells, digits);
   dlsi_vtu_means(file, "Name=\"plastic_strain\" NumberOfComponents=\"1\"", d->plastic_strain, 1, 4,
                  cells, digits);
   return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, cells, digits, error);
@@ -41,15 +40,42 @@ static int forming_list_cells(const dls_forming *f, int *node, int *end, int *fr
   return cells;
 }
 
+/* Fills the fields of the candidates; state, gap, slip: nc each. A reaction on its cone slips. */
+static dls_fe_fields forming_contact(const dls_forming *f, dls_contact_state *state, double *gap,
+                                     double *slip) {
+  static const double border = 1e-6; /* of the cone: above the tolerance of a step */
+  const dls_forming_data *d = &f->data;
+  for (int c = 0; c < d->candidates; c++) {
+    const double *r = d->r + 2 * c;
+    state[c] = r[0] <= 0                                      ? DLS_FREE
+               : fabs(r[1]) >= (1 - border) * f->mu[c] * r[0] ? DLS_SLIP
+                                                              : DLS_STICK;
+    gap[c] = d->u[2 * c];
+    slip[c] = d->u[2 * c + 1];
+  }
+  return (dls_fe_fields){.candidates = d->candidates,
+                         .node = d->candidate_node,
+                         .state = state,
+                         .gap = gap,
+                         .slip = slip};
+}
+
 static dls_status forming_write_body(const dls_forming *f, const char *path, dls_error *error) {
-  const size_t quads = (size_t)f->mesh.quads;
+  const size_t quads = (size_t)f->mesh.quads, nc = (size_t)f->nc;
   int *room = dlsi_alloc(10 * quads, sizeof *room);
-  if (!room) return dlsi_no_memory(error);
-  int *node = room, *end = room + 6 * quads, *from = room + 8 * quads;
-  const dlsi_cells cells = {
-      .cells = forming_list_cells(f, node, end, from), .node = node, .end = end, .from = from};
-  const dls_status status = forming_write_grid(&f->data, &cells, path, error);
+  double *gap = dlsi_alloc(2 * nc, sizeof *gap);
+  dls_contact_state *state = dlsi_alloc(nc, sizeof *state);
+  dls_status status = room && gap && state ? DLS_OK : dlsi_no_memory(error);
+  if (!status) {
+    int *node = room, *end = room + 6 * quads, *from = room + 8 * quads;
+    const dlsi_cells cells = {
+        .cells = forming_list_cells(f, node, end, from), .node = node, .end = end, .from = from};
+    const dls_fe_fields fields = forming_contact(f, state, gap, gap + nc);
+    status = forming_write_grid(&f->data, &fields, &cells, path, error);
+  }
   free(room);
+  free(gap);
+  free(state);
   return status;
 }
 

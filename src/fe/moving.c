@@ -181,6 +181,13 @@ void dls_moving_get(const dls_moving *moving, dls_moving_data *data) {
   if (data) *data = moving ? moving->data : (dls_moving_data){0};
 }
 
+dls_status dls_moving_problem(const dls_moving *moving, dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
+  const dls_status status = moving ? dls_motion_get_problem(moving->motion, problem, error)
+                                   : dlsi_is_null(error, "moving");
+  return dlsi_at(__func__, status, error);
+}
+
 /* ---- a step ---------------------------------------------------------------------------------- */
 
 /* Returns the place of the obstacle at time t. */

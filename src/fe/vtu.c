@@ -56,6 +56,44 @@ void dlsi_vtu_means(FILE *file, const char *head, const double *x, int component
   (void)fprintf(file, "</DataArray>\n");
 }
 
+void dlsi_vtu_contact(FILE *file, const dls_fe_fields *f, int nodes, int digits) {
+  static const char *const names[] = {"contact", "gap", "slip"};
+  for (int k = 0; k < 3; k++) {
+    if (!(k == 0 ? (const void *)f->state : k == 1 ? f->gap : f->slip)) continue;
+    (void)fprintf(file, "<DataArray type=\"%s\" Name=\"%s\" format=\"ascii\">\n",
+                  k ? "Float64" : "Int32", names[k]);
+    for (int i = 0; i < nodes; i++) {
+      int c = 0;
+      while (c < f->candidates && f->node[c] != i)
+        c++;
+      const int none = c == f->candidates;
+      if (k == 0)
+        (void)fprintf(file, "%d\n", none ? -1 : (int)f->state[c]);
+      else
+        (void)fprintf(file, "%.*g\n", digits, none ? 0 : k == 1 ? f->gap[c] : f->slip[c]);
+    }
+    (void)fprintf(file, "</DataArray>\n");
+  }
+}
+
+void dlsi_vtu_tensor(FILE *file, const double *x, int components, double nu, int points,
+                     const dlsi_cells *cells, int digits) {
+  (void)fprintf(file, "<DataArray type=\"Float64\" Name=\"stress\" NumberOfComponents=\"9\" "
+                      "format=\"ascii\">\n");
+  for (int e = 0; e < cells->cells; e++) {
+    const double *own = x + points * components * (cells->from ? cells->from[e] : e);
+    double mean[4] = {0};
+    for (int k = 0; k < points; k++)
+      for (int i = 0; i < components; i++)
+        mean[i] += own[i + k * components] / points;
+    const double xy = mean[components - 1];
+    const double zz = components == 4 ? mean[2] : nu * (mean[0] + mean[1]);
+    (void)fprintf(file, "%.*g %.*g 0 %.*g %.*g 0 0 0 %.*g\n", digits, mean[0], digits, xy, digits,
+                  xy, digits, mean[1], digits, zz);
+  }
+  (void)fprintf(file, "</DataArray>\n");
+}
+
 dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dlsi_cells *cells,
                         int digits, dls_error *error) {
   FILE *file = out->file;
@@ -83,10 +121,12 @@ dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dls
   return dlsi_output_finish(out, error);
 }
 
-static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
-                                const double *displacement, const double *reaction,
-                                const double *stress, dls_error *error) {
+/* tensor: 0 writes the stress as xx, yy, xy. */
+static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh, const dls_fe_fields *f,
+                                int tensor, dls_error *error) {
   enum { digits = 17 };
+  const double *displacement = f->displacement, *reaction = f->reaction, *stress = f->stress;
+  const size_t nc = f->candidates > 0 ? (size_t)f->candidates : 0;
   if (!path) return dlsi_is_null(error, "path");
   dls_status status = dlsi_fe_check_mesh(mesh, error);
   if (status) return status;
@@ -94,6 +134,13 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
   if (displacement) status = dlsi_check_vector("displacement", displacement, n, error);
   if (!status && reaction) status = dlsi_check_vector("reaction", reaction, n, error);
   if (!status && stress) status = dlsi_check_vector("stress", stress, cells, error);
+  if (!status && f->gap) status = dlsi_check_vector("gap", f->gap, nc, error);
+  if (!status && f->slip) status = dlsi_check_vector("slip", f->slip, nc, error);
+  for (int c = 0; c < (int)nc && !status; c++)
+    if (!f->node || f->node[c] < 0 || f->node[c] >= mesh->nodes)
+      status = f->node ? dlsi_fail(error, DLS_E_ARGUMENT, "node", c, f->node[c],
+                                   "is %d, outside of 0 to %d", f->node[c], mesh->nodes - 1)
+                       : dlsi_is_null(error, "node");
   if (status) return status;
 
   const int elements = dlsi_fe_elements(mesh);
@@ -105,8 +152,11 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
   FILE *file = out.file;
   if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
   if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
+  dlsi_vtu_contact(file, f, mesh->nodes, digits);
   dlsi_vtu_cells(file);
-  if (stress)
+  if (stress && tensor)
+    dlsi_vtu_tensor(file, stress, 3, f->nu, 1, &all, digits);
+  else if (stress)
     dlsi_vtu_means(file,
                    "Name=\"stress\" NumberOfComponents=\"3\" "
                    "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
@@ -117,7 +167,17 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
                             const double *reaction, const double *stress, dls_error *error) {
   DLSI_DOOR;
-  return dlsi_at(__func__, fe_write_grid(path, mesh, displacement, reaction, stress, error), error);
+  const dls_fe_fields fields = {
+      .displacement = displacement, .reaction = reaction, .stress = stress};
+  return dlsi_at(__func__, fe_write_grid(path, mesh, &fields, 0, error), error);
+}
+
+dls_status dls_fe_write_fields(const char *path, const dls_fe_mesh *mesh,
+                               const dls_fe_fields *fields, dls_error *error) {
+  DLSI_DOOR;
+  const dls_status status =
+      fields ? fe_write_grid(path, mesh, fields, 1, error) : dlsi_is_null(error, "fields");
+  return dlsi_at(__func__, status, error);
 }
 
 /* ---- collections ----------------------------------------------------------------------------- */

@@ -122,6 +122,15 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_solver_map(solver, nc, from, r, error) bind(c) result(status)
+      import :: c_int, c_ptr, c_double, dls_error
+      type(c_ptr), value :: solver
+      integer(c_int), value :: nc
+      integer(c_int), intent(in) :: from(*) ! from 0 on, -1: a new contact
+      real(c_double), intent(inout) :: r(*)
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
     function dls_solver_solve(solver, problem, r, u, info, error) bind(c) result(status)
       import :: c_int, c_ptr, c_double, dls_contact, dls_info, dls_error
       type(c_ptr), value :: solver
@@ -321,6 +330,7 @@ module delassus
   public :: dls_version, dls_status_name, dls_status_text, dls_contact_check, dls_contact_certify
   public :: dls_certificate_holds, dls_contact_states, dls_solver_settings_init, dls_method_find
   public :: dls_solve, dls_solver_create, dls_solver_set_limits, dls_solver_solve
+  public :: dls_solver_map
   public :: dls_solver_destroy, dls_reduction_settings_init, dls_reduction_create
   public :: dls_reduction_create_with, dls_reduction_update, dls_reduction_get_info
   public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact

@@ -21,7 +21,10 @@ struct dls_solver {
   void *work;         /* of the method */
   dlsi_formed formed; /* W of bodies by blocks, for methods that want them */
   double *room;       /* of the prediction of the error; NULL: none is made, or auto makes it */
-  dlsi_least *least;  /* NULL: not asked for */
+  double *last;       /* m: r of the last solve, of last_nc contacts; NULL: no next one is mapped */
+  int last_nc, mapped; /* mapped: contacts of the map; -1: there is none */
+  int *from, *mark;    /* nc: the map; scratch, all 0 */
+  dlsi_least *least;   /* NULL: not asked for */
 };
 
 int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
@@ -95,6 +98,17 @@ static dls_status solver_make_room(dls_solver *solver, dls_error *error) {
   return solver->room ? DLS_OK : dlsi_no_memory(error);
 }
 
+/* Makes room for what the next solve takes from the last one. */
+static dls_status solver_make_memory(dls_solver *solver, dls_error *error) {
+  const size_t nc = (size_t)solver->nc;
+  solver->last = dlsi_alloc((size_t)solver->d * nc, sizeof *solver->last);
+  solver->from = dlsi_alloc(2 * nc, sizeof *solver->from);
+  if (!solver->last || !solver->from) return dlsi_no_memory(error);
+  solver->mark = solver->from + nc;
+  memset(solver->mark, 0, nc * sizeof *solver->mark);
+  return DLS_OK;
+}
+
 /* Sets info->error of a solved problem whose W may hide an error. */
 static void solver_predict(const dls_solver *solver, const dls_contact *problem, const double *r,
                            dls_info *info) {
@@ -119,7 +133,7 @@ dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
   if (status) return status;
   dls_solver *solver = dlsi_alloc(1, sizeof *solver);
   if (!solver) return dlsi_no_memory(error);
-  *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc};
+  *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc, .mapped = -1};
   status = solver_create_work(solver, lazy, error);
   solver->settings.plan = settings->plan ? "" : NULL; /* the words are the workspace's now */
   solver->settings.without = NULL;
@@ -128,6 +142,7 @@ dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
     return status;
   }
   status = solver_make_room(solver, error);
+  if (!status) status = solver_make_memory(solver, error);
   if (status)
     dls_solver_destroy(solver);
   else
@@ -186,6 +201,20 @@ static dls_status solver_take_least(dls_solver *solver, const dls_contact *probl
   return solved;
 }
 
+/* Hands the map over to the method, if there is one of this problem. */
+static void solver_take_map(dls_solver *solver, const dls_contact *problem) {
+  const int *from = solver->mapped == problem->nc ? solver->from : NULL;
+  solver->mapped = -1;
+  if (solver->method->map) solver->method->map(solver->work, problem->nc, from);
+}
+
+/* Keeps the answer for dls_solver_map. */
+static void solver_remember(dls_solver *solver, const dls_contact *problem, const double *r) {
+  solver->last_nc = problem->nc;
+  solver->mapped = -1;
+  memcpy(solver->last, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+}
+
 /* Solves a problem that has been checked. */
 static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                                dls_info *info, dls_error *error) {
@@ -194,6 +223,7 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   dls_info own;
   if (!info && limits->progress) info = &own;
   dls_status status = DLS_OK;
+  if (solver->last) solver_take_map(solver, problem);
   if (!solver->method->takes_bodies) status = dlsi_form_blocks(&solver->formed, &problem, error);
   if (!status) status = solver->method->solve(solver->work, problem, r, u, info, error);
   status = solver_take_least(solver, problem, begun, status, r, u, info, error);
@@ -239,7 +269,54 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   solver->status = DLS_OK;
   if (!is_answered(&solver->settings, problem, r, u, info))
     status = solver_solve(solver, problem, r, u, info, error);
+  if (status >= 0) solver_remember(solver, problem, r);
   return dlsi_at(__func__, dlsi_leave(&solver->busy, status), error);
+}
+
+/* Checks the map of nc contacts. mark: all 0, before and after. */
+static dls_status check_map(const dls_solver *solver, int nc, const int *from, dls_error *error) {
+  const int had = solver->last_nc;
+  int *mark = solver->mark;
+  dls_status status = DLS_OK;
+  if (nc < 0 || nc > solver->nc)
+    return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, the solver has room for 0 to %d", nc,
+                     solver->nc);
+  for (int c = 0; c < nc && !status; c++) {
+    if (from[c] < -1 || from[c] >= had)
+      status = dlsi_fail(error, DLS_E_ARGUMENT, "from", c, from[c],
+                         "is %d, outside of -1 to %d, the last solve had %d contacts", from[c],
+                         had - 1, had);
+    else if (from[c] >= 0 && mark[from[c]])
+      status = dlsi_fail(error, DLS_E_ARGUMENT, "from", c, from[c], "is %d, as the other entry %d",
+                         from[c], mark[from[c]] - 1);
+    else if (from[c] >= 0)
+      mark[from[c]] = c + 1;
+  }
+  memset(mark, 0, (size_t)had * sizeof *mark);
+  return status;
+}
+
+dls_status dls_solver_map(dls_solver *solver, int nc, const int *from, double *r,
+                          dls_error *error) {
+  DLSI_DOOR;
+  dls_status status =
+      !solver ? dlsi_is_null(error, "solver") : dlsi_enter(&solver->busy, "solver", error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (nc > 0 && !from) status = dlsi_is_null(error, "from");
+  if (nc > 0 && from && !r) status = dlsi_is_null(error, "r");
+  if (!status) status = check_map(solver, nc, from, error);
+  if (status) return dlsi_at(__func__, dlsi_leave(&solver->busy, status), error);
+  const size_t d = (size_t)solver->d;
+  for (int c = 0; c < nc; c++) {
+    double *rc = r + d * (size_t)c;
+    solver->from[c] = from[c];
+    if (from[c] < 0)
+      memset(rc, 0, d * sizeof *rc);
+    else
+      memcpy(rc, solver->last + d * (size_t)from[c], d * sizeof *rc);
+  }
+  solver->mapped = nc;
+  return dlsi_leave(&solver->busy, DLS_OK);
 }
 
 const double *dls_solver_direction(const dls_solver *solver) {
@@ -261,6 +338,8 @@ void dls_solver_destroy(dls_solver *solver) {
   dlsi_formed_free(&solver->formed);
   dlsi_least_destroy(solver->least);
   free(solver->room);
+  free(solver->last);
+  free(solver->from);
   free(solver);
 }
 

@@ -228,6 +228,20 @@ static void expect_files(const char *const *arguments, const char *picture, cons
   expect_nothing_run();
 }
 
+/* A report tells its page, which is as well formed as its pictures. */
+static void expect_page(const char *name) {
+  char page[name_room + 20];
+  const char *const report[] = {"report", "--cpu=0.2", "--out=r", name, NULL};
+  expect_plain_run(report);
+  const char *told = strstr(text, "\npage: ");
+  ck_assert_msg(told && sscanf(told, "\npage: %300[^\n]", page) == 1, "%s", text);
+  ck_assert(read_there(page));
+  expect_plain(page, 1);
+  ck_assert_msg(strstr(text, "</html>") != NULL, "%s: has no end", page);
+  if (system("command -v gnuplot >/dev/null") == 0) expect_svg(page);
+  expect_nothing_run();
+}
+
 static void expect_all_drawn(char names[most_names][name_room]) {
   const char *map[most_names + 3] = {"map", "--out=m"},
                                *profile[most_names + 3] = {"profile", "--out=p"};
@@ -242,6 +256,7 @@ static void expect_all_drawn(char names[most_names][name_room]) {
   expect_files(chart, "c/chart.svg", "c/chart.csv");
   const char *const solve[] = {"solve", "-q", names[1], "--plot=o", NULL};
   expect_files(solve, "o/history.svg", "o/history.csv");
+  expect_page(names[0]);
 }
 
 /* The commands that draw nothing, with all these names; name 3 is a directory, 4 a history, 5 a
@@ -322,6 +337,7 @@ START_TEST(errors_escape_controls) {
                                          {"chart", strange},
                                          {"map", strange},
                                          {"profile", strange},
+                                         {"report", strange},
                                          {"scene", strange},
                                          {"converge", strange},
                                          {strange},

@@ -596,6 +596,8 @@ static int solve_again(void *data, const dls_progress *p) {
   const dls_limits limits = {.tol = 1e-3};
   ck_assert_int_eq(dls_solver_set_limits(own->work, &limits, &error), DLS_E_BUSY);
   ck_assert_str_eq(error.argument, "solver");
+  ck_assert_int_eq(dls_solver_map(own->work, 0, NULL, NULL, &error), DLS_E_BUSY);
+  ck_assert_str_eq(error.argument, "solver");
   return 0;
 }
 

@@ -848,6 +848,58 @@ START_TEST(vtu) {
 }
 END_TEST
 
+/* The stress as a tensor, and the state, gap and slip of two contacts at their nodes. */
+START_TEST(vtu_of_fields) {
+  dls_fe_mesh mesh = crooked();
+  const int cells = mesh.triangles;
+  double u[crooked_n], x[1000];
+  double *stress = new_doubles(3 * (size_t)cells);
+  for (int i = 0; i < crooked_n; i++)
+    u[i] = 1e-5 * sin(i);
+  ck_assert_int_eq(dls_fe_stress(&mesh, E0, nu0, u, stress, NULL), DLS_OK);
+  int node[] = {2, 0};
+  const dls_contact_state state[] = {DLS_SLIP, DLS_STICK};
+  double gap[] = {0.1, -1e-17}, slip[] = {3, 4};
+  const dls_fe_fields fields = {.displacement = u,
+                                .stress = stress,
+                                .nu = nu0,
+                                .candidates = 2,
+                                .node = node,
+                                .state = state,
+                                .gap = gap,
+                                .slip = slip};
+  ck_assert_int_eq(dls_fe_write_fields(path, &mesh, &fields, NULL), DLS_OK);
+  char *text = contents();
+  check_nesting(text);
+  ck_assert_int_eq(numbers(text, "stress", x, 1000), 9 * cells);
+  for (int e = 0; e < cells; e++) {
+    const double *s = stress + 3 * e, zz = nu0 * (s[0] + s[1]);
+    const double tensor[] = {s[0], s[2], 0, s[2], s[1], 0, 0, 0, zz};
+    for (int k = 0; k < 9; k++)
+      ck_assert_double_eq(x[9 * e + k], tensor[k]);
+  }
+  ck_assert_int_eq(numbers(text, "contact", x, 1000), mesh.nodes);
+  for (int i = 0; i < mesh.nodes; i++)
+    ck_assert_double_eq(x[i], i == 2 ? DLS_SLIP : i == 0 ? DLS_STICK : -1);
+  ck_assert_int_eq(numbers(text, "gap", x, 1000), mesh.nodes);
+  ck_assert(x[2] == gap[0] && x[0] == gap[1] && x[1] == 0);
+  ck_assert_int_eq(numbers(text, "slip", x, 1000), mesh.nodes);
+  ck_assert(x[2] == slip[0] && x[0] == slip[1] && x[1] == 0);
+  free(text);
+  REJECTED(dls_fe_write_fields(path, &mesh, NULL, &error), DLS_E_ARGUMENT, "fields", -1);
+  node[1] = mesh.nodes;
+  REJECTED(dls_fe_write_fields(path, &mesh, &fields, &error), DLS_E_ARGUMENT, "node", 1);
+  node[1] = 0;
+  gap[1] = NAN;
+  REJECTED(dls_fe_write_fields(path, &mesh, &fields, &error), DLS_E_NOT_FINITE, "gap", 1);
+  gap[1] = 0;
+  slip[0] = INFINITY;
+  REJECTED(dls_fe_write_fields(path, &mesh, &fields, &error), DLS_E_NOT_FINITE, "slip", 0);
+  free(stress);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
 START_TEST(vtu_bad_input) {
   dls_fe_mesh mesh;
   ck_assert_int_eq(dls_fe_mesh_block(&mesh, 1, 1, 1, 1, NULL), DLS_OK);
@@ -903,5 +955,6 @@ int main(void) {
              EACH(mesh_bad_input, 0, 3), ONCE(t3_bad_input), ONCE(scene_names), EACH(scene, 0, 4),
              ONCE(scene_twice), ONCE(scene_settings_by_default), ONCE(scene_of_a_finer_mesh),
              ONCE(scene_loads_in_order), ONCE(scene_bad_settings), ONCE(scene_bad_input),
-             ONCE(scene_without_memory), ONCE(vtu), ONCE(vtu_bad_input), ONCE(vtu_disk_full));
+             ONCE(scene_without_memory), ONCE(vtu), ONCE(vtu_of_fields), ONCE(vtu_bad_input),
+             ONCE(vtu_disk_full));
 }

@@ -490,7 +490,7 @@ START_TEST(vtu) {
     closed = strcmp(line, "</VTKFile>\n") == 0;
   }
   (void)fclose(file);
-  ck_assert(arrays == 8 && sizes == 1 && closed);
+  ck_assert(arrays == 11 && sizes == 1 && closed);
   struct rlimit limit, before; /* a file of more than 1000 bytes fails as on a full disk */
   ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &before), 0);
   limit = before;

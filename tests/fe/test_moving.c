@@ -514,6 +514,40 @@ START_TEST(bad_input) {
 }
 END_TEST
 
+/* The contact problem of a step has the step's reactions, h r in time; on K there is none. */
+START_TEST(problem_of_a_step) {
+  static const char *const scenes[] = {"block-drop", "jean-moving", "two-blocks"};
+  dls_moving_data d;
+  dls_contact problem;
+  dls_certificate c;
+  dls_moving_settings s = defaults();
+  if (_i == 1) s.method = DLS_LEMKE; /* on W */
+  dls_moving *m = create(scenes[_i], &s, &d);
+  do
+    advance(m, 1, &d);
+  while (d.r[0] == 0 && d.step < d.steps);
+  ck_assert_int_eq(dls_moving_problem(m, &problem, &error), DLS_OK);
+  if (_i == 2) {
+    ck_assert_int_eq(problem.nc, 0);
+  } else {
+    ck_assert_int_eq(problem.nc, d.state.active);
+    double p[100];
+    for (int k = 0; k < 2 * problem.nc; k++)
+      p[k] = d.state.p[2 * d.state.active_list[k / 2] + k % 2];
+    ck_assert_int_eq(dls_contact_certify(&problem, p, NULL, &c, &error), DLS_OK);
+    ck_assert(dls_certificate_holds(&c, 1e-11));
+    p[0] *= 1.001; /* and not others */
+    ck_assert_int_eq(dls_contact_certify(&problem, p, NULL, &c, &error), DLS_OK);
+    ck_assert(!dls_certificate_holds(&c, 1e-6));
+  }
+  expect_error(dls_moving_problem(NULL, &problem, &error), &error, DLS_E_ARGUMENT,
+               "dls_moving_problem", "moving", -1);
+  expect_error(dls_moving_problem(m, NULL, &error), &error, DLS_E_ARGUMENT, "dls_moving_problem",
+               "problem", -1);
+  dls_moving_destroy(m);
+}
+END_TEST
+
 START_TEST(without_memory) {
   static const char *const scenes[] = {"bar-bounce", "two-blocks", "jean-moving", "block-drop"};
   dls_moving_settings s = defaults();
@@ -556,5 +590,5 @@ int main(void) {
              ONCE(fixed), ONCE(fixed_order), EACH(closed_forms, 0, 3), EACH(jean, 0, 6), ONCE(drop),
              ONCE(blocks_in_one_piece), EACH(blocks_patch, 7, 20), ONCE(blocks_equilibrium),
              ONCE(blocks_with_mass), ONCE(mortar), ONCE(names), ONCE(bad_input),
-             EACH(without_memory, 0, 4), ONCE(repeated));
+             EACH(problem_of_a_step, 0, 3), EACH(without_memory, 0, 4), ONCE(repeated));
 }

@@ -45,6 +45,7 @@ static void solves() {
   delassus::solver first(2, 3, delassus::settings("newton"));
   delassus::solver second = std::move(first);
   EXPECT(near(second.solve(problem).r[0], 2));
+  EXPECT(near(second.map({-1, 0})[2], 2) && near(second.map({-1, 0})[0], 0));
   EXPECT(first.get() == nullptr && second.get() != nullptr);
   const delassus::answer warm = delassus::solve(problem, delassus::settings("nlgs"), a.r);
   EXPECT(warm.solved() && warm.r == a.r);
@@ -57,6 +58,7 @@ static void refuses() {
   EXPECT(refusal([&] { (void)delassus::contact(2, {1}, q, mu); }) == "DLS_E_SIZE W");
   EXPECT(refusal([&] { (void)delassus::contact(2, W, {1}, mu); }) == "DLS_E_SIZE q");
   EXPECT(refusal([&] { (void)delassus::contact(2, W, q, {}); }) == "DLS_E_SIZE q");
+  EXPECT(refusal([&] { (void)delassus::solver(2, 1).map({0}); }) == "DLS_E_ARGUMENT from");
   EXPECT(refusal([&] { delassus::settings s("no such"); }) == "DLS_E_ARGUMENT name");
   EXPECT(refusal([&] { (void)delassus::certify(problem, {1}); }) == "DLS_E_SIZE r");
   EXPECT(refusal([&] { (void)delassus::solve(problem, {}, {1}); }) == "DLS_E_SIZE start");

@@ -101,6 +101,8 @@ contains
     call expect(status == DLS_OK .and. near(r(1), 2d0), 'a solve in it')
     settings%limits%tol = 1d-12
     call expect(dls_solver_set_limits(solver, settings%limits) == DLS_OK, 'other limits')
+    r = 0
+    call expect(dls_solver_map(solver, 1, [0], r) == DLS_OK .and. near(r(1), 2d0), 'its map')
     call dls_solver_destroy(solver)
     call expect(dls_text(dls_status_name(DLS_E_SIZE)) == 'DLS_E_SIZE', 'the name of a status')
     call expect(len(dls_text(dls_version())) > 0, 'the version')

@@ -1,0 +1,115 @@
+/*
+ * papers.c: answers the questions that [Jean 1988] and [Chabrand 1998] leave open, a paragraph and
+ * a picture each. Writes papers.md and the data of the pictures, papers_*.csv; papers.gp draws
+ * them.
+ *
+ *   papers [--only QUESTION] --out DIR
+ *
+ * QUESTION is a word of the table below: a trial, whose page has that question alone. `reactions`
+ * reads DIR/papers_reactions.csv, the reactions.csv of `make demo`. CPU seconds are those of one
+ * run on a busy machine.
+ */
+#include "papers.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+
+int jean_create(jean_block *b, const char *name, int weighted, int nx, double mu) {
+  *b = (jean_block){0};
+  dls_error error = {0};
+  dls_fe_scene_settings settings;
+  dls_fe_scene_settings_init(&settings);
+  settings.nx = nx;
+  settings.ny = nx / 2;
+  settings.mu = mu;
+  dls_status status = dls_fe_scene_create_with(&b->scene, name, weighted, &settings, &error);
+  if (!status) {
+    dls_fe_scene_get(b->scene, &b->data);
+    status = dls_reduction_create(&b->reduction, &b->data.model, &error);
+  }
+  if (!status) status = dls_reduction_load(b->reduction, b->data.f, b->data.g, &error);
+  if (!status) status = dls_reduction_contact(b->reduction, b->data.mu, &b->contact, &error);
+  if (!status) return 0;
+  fprintf(stderr, "%s: %s\n", name, error.message);
+  jean_free(b);
+  return -1;
+}
+
+void jean_free(jean_block *b) {
+  dls_reduction_destroy(b->reduction);
+  dls_fe_scene_destroy(b->scene);
+  *b = (jean_block){0};
+}
+
+double *jean_solve(const dls_contact *contact) {
+  double *r = calloc((size_t)(contact->d * contact->nc), sizeof *r);
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.limits.tol = 1e-13;
+  dls_info info = {0};
+  dls_error error = {0};
+  const dls_status status =
+      r ? dls_solve(contact, &settings, r, NULL, &info, &error) : DLS_E_MEMORY;
+  const dls_certificate *c = &info.certificate;
+  if (status == DLS_OK || status == DLS_TO_ROUNDING) return r;
+  fprintf(stderr, "not solved: %s (%s), %g, %g\n", dls_status_text(status), error.message,
+          c->residual_u, c->residual_r);
+  free(r);
+  return NULL;
+}
+
+double distance(size_t n, const double *a, const double *b) {
+  double difference = 0, size = 0;
+  for (size_t k = 0; k < n; k++) {
+    difference += (a[k] - b[k]) * (a[k] - b[k]);
+    size += b[k] * b[k];
+  }
+  return sqrt(difference / size);
+}
+
+double exponent(size_t n, const double *x, const double *y, size_t last) {
+  double count = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (size_t k = n > last ? n - last : 0; k < n; k++) {
+    if (!(y[k] > 0)) continue;
+    const double u = log(x[k]), v = log(y[k]);
+    count++;
+    sx += u;
+    sy += v;
+    sxx += u * u;
+    sxy += u * v;
+  }
+  return (count * sxy - sx * sy) / (count * sxx - sx * sx);
+}
+
+void table_copy(FILE *from, FILE *page) {
+  char line[512];
+  rewind(from);
+  while (fgets(line, sizeof line, from))
+    fputs(line, page);
+  fclose(from);
+}
+
+static const struct {
+  const char *word;
+  int (*answer)(FILE *page, const char *out);
+} questions[] = {
+    {"reactions", papers_reactions}, {"refinement", papers_refinement}, {"aitken", papers_aitken},
+    {"penalty", papers_penalty},     {"lemke", papers_lemke},           {"flow", papers_flow},
+};
+
+int main(int argc, char **argv) {
+  const char *out = NULL, *only = NULL;
+  for (int k = 1; k + 1 < argc; k += 2) {
+    if (strcmp(argv[k], "--out") == 0) out = argv[k + 1];
+    if (strcmp(argv[k], "--only") == 0) only = argv[k + 1];
+  }
+  FILE *page = out ? bench_page(out, "papers", "The papers' questions", argc, argv) : NULL;
+  if (!page) return 1;
+  int bad = 0;
+  for (size_t k = 0; k < sizeof questions / sizeof *questions; k++)
+    if (!only || strcmp(only, questions[k].word) == 0) bad |= questions[k].answer(page, out);
+  return fclose(page) != 0 || bad;
+}

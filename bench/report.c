@@ -1,0 +1,184 @@
+/*
+ * report.c: is the setting that `delassus report` advises accurate enough, and is it cheap?
+ *
+ *   report [--out DIR] [--cpu S] [--scene NAME]...
+ *       report.md: for each scene and accuracy the advised setting, its error beside a reference
+ *       four times finer in mesh and steps, and its CPU beside the cheapest setting of a grid that
+ *       is within the accuracy
+ *
+ * Reference: elements a quarter as large and four times the steps of the setting advised for the
+ * tightest accuracy, tol / 100; where that would take more than 60 s by the costs of half the
+ * element size, elements half as large and four times the steps. Scenes of dynamics: their steps
+ * follow the mesh.
+ *
+ * Grid: mesh by sqrt(2), steps by 2, the tolerance as advised, every setting up to twice the CPU of
+ * the advised one. A setting of the grid counts if it and all settings of the grid that are as fine
+ * or finer in both are within the accuracy of the reference: not by luck. Runs that do not finish
+ * do not count.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/report.h"
+#include "common.h"
+
+enum { ACCURACIES = 3, GRID_LOW = -12, GRID_HIGH = 9, GRID = GRID_HIGH - GRID_LOW + 1 };
+static const double accuracies[ACCURACIES] = {1e-1, 3e-2, 1e-2};
+static const double long_reference = 60; /* CPU seconds */
+
+typedef struct grid_cell {
+  int run;
+  double error, seconds;
+} grid_cell;
+
+static void stop_on(dls_status status, const char *name, const dls_error *error) {
+  if (status >= 0) return;
+  (void)fprintf(stderr, "report: %s: %s\n", name, error->message);
+  exit(1);
+}
+
+static scene_answer run_at(const scene *s, setting at, double limit) {
+  scene_answer got;
+  dls_error error = {0};
+  stop_on(scene_run(s, &at, limit, &got, &error), s->name, &error);
+  return got;
+}
+
+/* Returns `at` with `mesh` times the elements along each side and four times the steps. */
+static setting finer(setting at, int mesh) {
+  at.nx = mesh * at.nx;
+  at.ny = mesh * at.ny;
+  at.upper = mesh * at.upper;
+  at.steps = 4 * at.steps;
+  at.tol = fmax(at.tol / 100, 1e-14);
+  return at;
+}
+
+/* Runs the reference; *mesh: how much finer along each side. */
+static double run_reference(const scene *s, setting at, int *mesh) {
+  *mesh = 2;
+  const scene_answer half = run_at(s, finer(at, 2), 1e9);
+  const scene_answer own = run_at(s, at, 1e9);
+  double value = half.value;
+  if (at.nx && half.seconds * half.seconds / own.seconds < long_reference) {
+    value = run_at(s, finer(at, 4), 1e9).value;
+    *mesh = 4;
+  }
+  if (!at.nx) *mesh = 1;
+  return value;
+}
+
+/* Finds the cheapest setting of the grid that is within the accuracy, with all finer ones. */
+static double find_cheapest(const scene *s, const setting *advised, double seconds,
+                            double reference, double accuracy, setting *at) {
+  static grid_cell grid[GRID][GRID];
+  double best = INFINITY;
+  memset(grid, 0, sizeof grid);
+  for (int i = 0; i < GRID; i++)
+    for (int j = 0; j < GRID; j++) {
+      grid_cell *g = &grid[i][j];
+      setting here = setting_scaled(s, i + GRID_LOW, j + GRID_LOW, 0);
+      const setting before = setting_scaled(s, i + GRID_LOW - 1, j + GRID_LOW, 0);
+      const setting fewer = setting_scaled(s, i + GRID_LOW, j + GRID_LOW - 1, 0);
+      here.tol = advised->tol;
+      if ((s->own.nx ? before.nx == here.nx : i > 0) ||
+          (s->own.steps ? fewer.steps == here.steps : j > 0))
+        continue;
+      if (j > 0 && grid[i][j - 1].seconds > 2 * seconds) { /* more steps cost more */
+        g->seconds = grid[i][j - 1].seconds;
+        continue;
+      }
+      if (i > 0 && grid[i - 1][j].seconds > 2 * seconds) { /* so does a finer mesh */
+        g->seconds = grid[i - 1][j].seconds;
+        continue;
+      }
+      const scene_answer got = run_at(s, here, 4 * seconds);
+      *g = (grid_cell){isfinite(got.value), fabs(got.value / reference - 1), got.seconds};
+    }
+  for (int i = 0; i < GRID; i++)
+    for (int j = 0; j < GRID; j++) {
+      int good = grid[i][j].run;
+      for (int k = i; k < GRID && good; k++)
+        for (int l = j; l < GRID && good; l++)
+          if (grid[k][l].run && !(grid[k][l].error <= accuracy)) good = 0;
+      if (!good || grid[i][j].seconds >= best) continue;
+      best = grid[i][j].seconds;
+      *at = setting_scaled(s, i + GRID_LOW, j + GRID_LOW, 0);
+      at->tol = advised->tol;
+    }
+  return best;
+}
+
+typedef struct tally {
+  int pairs, met, missed, undecided, cheap;
+} tally;
+
+static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
+  scene s;
+  dls_error error = {0};
+  dls_status status = DLS_OK;
+  static budget b[ACCURACIES];
+  int mesh;
+  if (!scene_find(name, &s, &status, &error)) exit(1);
+  stop_on(status, name, &error);
+  for (int k = 0; k < ACCURACIES; k++) {
+    b[k] = (budget){.scene = &s, .accuracy = accuracies[k], .limit = cpu};
+    stop_on(budget_run(&b[k], &error), name, &error);
+  }
+  const double reference =
+      run_reference(&s, b[ACCURACIES - 1].probe[b[ACCURACIES - 1].take].at, &mesh);
+  for (int k = 0; k < ACCURACIES; k++) {
+    const probe *take = &b[k].probe[b[k].take];
+    setting cheap = take->at;
+    char words[SETTING_ROOM], other[SETTING_ROOM];
+    const double wrong = fabs(take->got.value / reference - 1);
+    const double least =
+        find_cheapest(&s, &take->at, take->got.seconds, reference, accuracies[k], &cheap);
+    sum->pairs++;
+    sum->undecided += !b[k].met;
+    sum->met += b[k].met && wrong <= accuracies[k];
+    sum->missed += b[k].met && wrong > accuracies[k];
+    sum->cheap += b[k].met && take->got.seconds <= 2 * least;
+    bench_print(to, "| %s | %g | %s%s | %.2g | %s | %.2g | %s, %.2g s | %.2g | %.2g |\n", name,
+                accuracies[k],
+                b[k].met ? "" : "not decided: ", setting_words(&s, &take->at, words, sizeof words),
+                wrong,
+                mesh == 4   ? "4"
+                : mesh == 2 ? "2"
+                            : "-",
+                take->got.seconds, setting_words(&s, &cheap, other, sizeof other), least,
+                take->got.seconds / least, b[k].error);
+    (void)fflush(to);
+  }
+}
+
+int main(int argc, char **argv) {
+  const char *out = "bench/results", *only[16];
+  int count = 0;
+  double cpu = 33;
+  for (int k = 1; k + 1 < argc; k += 2) {
+    if (!strcmp(argv[k], "--out")) out = argv[k + 1];
+    if (!strcmp(argv[k], "--cpu")) cpu = strtod(argv[k + 1], NULL);
+    if (!strcmp(argv[k], "--scene") && count < 16) only[count++] = argv[k + 1];
+  }
+  FILE *to = bench_page(out, "report", "The setting that delassus report advises", argc, argv);
+  if (!to) return 1;
+  tally sum = {0};
+  bench_print(to,
+              "\nEach scene at three accuracies: the advised setting, its error beside a reference "
+              "with four times the steps\nand elements a quarter (4) or half (2) as large along "
+              "each side, its CPU, the cheapest setting of the grid\nthat is within the accuracy "
+              "with all finer ones, and the error that the report measured.\n\n"
+              "| scene | accuracy | advised | error | mesh of the reference | CPU s | cheapest | "
+              "over the cheapest | as measured |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (int k = 0; scene_name(k) && !count; k++)
+    bench_scene(to, scene_name(k), cpu, &sum);
+  for (int k = 0; k < count; k++)
+    bench_scene(to, only[k], cpu, &sum);
+  bench_print(to,
+              "\n%d pairs: %d met, %d missed, %d not decided within %g s of CPU, which the report "
+              "says; %d of those decided cost at most twice the cheapest.\n",
+              sum.pairs, sum.met, sum.missed, sum.undecided, cpu, sum.cheap);
+  return fclose(to) != 0;
+}

@@ -1,0 +1,522 @@
+/* messages.c: prints messages, JSON and progress on a terminal, and listens to signals. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <float.h>
+#include <getopt.h>
+#include <math.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+static int loudness, json; /* -1 quiet, 1 verbose; 1: --json */
+static char *complaint;    /* of a command within another one (run_command), or NULL */
+
+int complain(const char *format, ...) {
+  char text[QUOTED_ROOM];
+  va_list args;
+  va_start(args, format);
+  if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
+  va_end(args);
+  if (complaint)
+    (void)snprintf(complaint, PATH_ROOM, "%s", text);
+  else
+    fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
+  return EXIT_BAD_INPUT;
+}
+
+int complain_of(const char *what, const dls_error *error) {
+  return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
+}
+
+static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
+static volatile sig_atomic_t interrupted;
+static volatile sig_atomic_t ends_at_once; /* 1: there is nothing yet that a signal may not end */
+
+int take_loudness(int key) {
+  if (key == 0) loudness = json = 0;
+  if (key == 'j') json = 1;
+  if (key == 'v' || key == 'q') loudness = key == 'v' ? 1 : -1;
+  return key == 0 || key == 'j' || key == 'v' || key == 'q';
+}
+
+int is_quiet(void) {
+  return loudness < 0;
+}
+
+int is_verbose(void) {
+  return loudness > 0;
+}
+
+int is_json(void) {
+  return json;
+}
+
+int prints_text(void) {
+  return loudness >= 0 && !json;
+}
+
+void tell(const char *format, ...) {
+  va_list args;
+  if (!prints_text()) return;
+  va_start(args, format);
+  vprintf(format, args);
+  va_end(args);
+}
+
+/* Prints the last line: "solved" and how well, or why not (NULL where it is solved). */
+static void print_last_line(const char *why, const char *how_well) {
+  if (json || complaint) return;
+  const char *no_color = getenv("NO_COLOR");
+  const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
+  const char *on = !color ? "" : why ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
+  if (why)
+    printf("%snot solved: %s%s\n", on, why, off);
+  else
+    printf("%ssolved%s%s\n", on, how_well, off);
+}
+
+int run_command(int (*run)(int argc, char **argv), char **argv, char *why) {
+  const int own_loudness = loudness, own_json = json;
+  int argc = 0;
+  while (argv[argc])
+    argc++;
+  why[0] = '\0';
+  complaint = why;
+  optind = 0; /* getopt begins anew */
+  const int result = run(argc, argv);
+  complaint = NULL;
+  loudness = own_loudness;
+  json = own_json;
+  return result;
+}
+
+int is_solved(dls_status status) {
+  return status == DLS_OK || status == DLS_TO_ROUNDING;
+}
+
+void print_ending(dls_status status, const dls_info *info) {
+  char how_well[120] = "", why[160] = "";
+  const dls_certificate *c = info ? &info->certificate : NULL;
+  if (c && status == DLS_TO_ROUNDING)
+    (void)snprintf(how_well, sizeof how_well, " to rounding: positions to %.0e, forces to %.0e",
+                   fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
+  else if (c && info->error > DBL_MAX)
+    (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined%s",
+                   info->forces == DLS_FORCES_LEAST ? ", the least are given" : "");
+  else if (c && info->error > told_error)
+    (void)snprintf(how_well, sizeof how_well, ": reactions to about %.0e", info->error);
+  if (c && status == DLS_NOT_IN_EQUILIBRIUM)
+    (void)snprintf(why, sizeof why, "%s: a force of %.3g on body %d is not balanced",
+                   dls_status_text(status), c->unbalanced, c->body);
+  print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
+}
+
+dls_status count_freedom(const dls_contact *contact, const double *r, int *freedom,
+                         dls_error *error) {
+  *freedom = FREEDOM_TOO_LARGE;
+  if (contact->d * contact->nc > most_rows_of_freedom) return DLS_OK;
+  return dls_contact_freedom(contact, r, freedom, error);
+}
+
+const char *freedom_words(int freedom, dls_forces forces, char *text) {
+  text[0] = '\0';
+  if (freedom == FREEDOM_ON_K)
+    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted on K (--on=W counts them)");
+  if (freedom == FREEDOM_TOO_LARGE)
+    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted for more than %d rows",
+                   most_rows_of_freedom);
+  if (freedom > 0)
+    (void)snprintf(
+        text, FREEDOM_ROOM,
+        "%d self-stress%s: the sum on each body is determined, single reactions are not; %s",
+        freedom, freedom == 1 ? "" : "es",
+        forces == DLS_FORCES_LEAST ? "these are the least" : "--forces=least gives the least");
+  return text;
+}
+
+const char *proof_words(const dls_proof *proof, char *text, size_t size) {
+  static const char *const words[] = {
+      [DLS_FREE] = "free", [DLS_SLIP] = "slip", [DLS_STICK] = "stick"};
+  if (proof->kind == DLS_PROVED && proof->radius == 0)
+    (void)snprintf(text, size, "proved: reactions exact");
+  else if (proof->kind == DLS_PROVED)
+    (void)snprintf(text, size, "proved: reactions within %.0e", proof->radius);
+  else if (proof->kind == DLS_PROVED_POSITIONS)
+    (void)snprintf(text, size, "proved: positions within %.0e; reactions have %d self-stress%s",
+                   proof->radius_u, proof->freedom, proof->freedom > 1 ? "es" : "");
+  else if (proof->border)
+    (void)snprintf(text, size, "not proved: contact %d is at the border between %s and %s",
+                   proof->contact, words[proof->state], words[proof->other]);
+  else
+    (void)snprintf(text, size, "not proved");
+  return text;
+}
+
+void print_proved(const dls_proof *proof) {
+  char room[120], words[130];
+  (void)snprintf(words, sizeof words, " (%s)", proof_words(proof, room, sizeof room));
+  print_last_line(NULL, words);
+}
+
+int end_command(int result, const char *why) {
+  if (result == EXIT_BAD_INPUT) return result;
+  if (interrupted) {
+    result = EXIT_NOT_SOLVED;
+    why = dls_status_text(DLS_CANCELLED);
+  }
+  print_last_line(result == EXIT_SOLVED ? NULL : why, "");
+  return result;
+}
+
+const char *plural(long long count) {
+  return count == 1 ? "" : "s";
+}
+
+const char *point_for_comma(const char *text, char *room, size_t size) {
+  char *end;
+  const char *comma = strchr(text, ',');
+  if (!comma || strchr(comma + 1, ',') || snprintf(room, size, "%s", text) >= (int)size)
+    return NULL;
+  room[comma - text] = '.';
+  (void)strtod(room, &end);
+  return end > room && !*end ? room : NULL;
+}
+
+taken parse_number(const char *option, const char *text, double *value) {
+  char *end;
+  errno = 0;
+  const double v = strtod(text, &end);
+  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
+    char room[64];
+    const char *point = point_for_comma(text, room, sizeof room);
+    if (point)
+      complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
+               point);
+    else
+      complain("--%s: '%s' is not a number >= 0", option, text);
+    return OPTION_WRONG;
+  }
+  *value = v;
+  return OPTION_TAKEN;
+}
+
+taken parse_mesh(const char *text, int *nx, int *ny) {
+  char more;
+  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
+  complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
+  return OPTION_WRONG;
+}
+
+taken parse_count(const char *option, const char *text, int *value) {
+  return parse_count_to(option, text, 1000000000, value);
+}
+
+taken parse_count_to(const char *option, const char *text, int most, int *value) {
+  char *end;
+  errno = 0;
+  const long v = strtol(text, &end, 10);
+  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
+    complain("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
+    return OPTION_WRONG;
+  }
+  *value = (int)v;
+  return OPTION_TAKEN;
+}
+
+double largest_entry(const double *v, int n) {
+  double m = 0;
+  for (int i = 0; i < n; i++)
+    if (fabs(v[i]) > m) m = fabs(v[i]);
+  return m;
+}
+
+const char *status_word(dls_status status) {
+  static const char *const words[] = {
+      [DLS_OK] = "solved",
+      [DLS_MAX_ITERATIONS] = "max_iterations",
+      [DLS_CANCELLED] = "cancelled",
+      [DLS_STALLED] = "stalled",
+      [DLS_RAY] = "ray",
+      [DLS_NO_SOLUTION] = "no_solution",
+      [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
+      [DLS_TIME_LIMIT] = "time_limit",
+      [DLS_FOLDED] = "folded",
+      [DLS_TO_ROUNDING] = "to_rounding",
+      [DLS_NOT_IN_EQUILIBRIUM] = "not_in_equilibrium",
+  };
+  return status < 0 ? "error" : words[status];
+}
+
+const char *unsolved_words(dls_status status, double residual, char *text, size_t size) {
+  text[0] = '\0';
+  if (!is_solved(status))
+    (void)snprintf(text, size, "not solved: %s, residual %.2e", dls_status_text(status), residual);
+  return text;
+}
+
+const char *state_word(dls_contact_state state) {
+  return state == DLS_FREE ? "free" : state == DLS_SLIP ? "slip" : "stick";
+}
+
+const char *iteration_word(dls_method method, int count) {
+  const int one = count == 1;
+  if (method == DLS_NLGS) return one ? "sweep" : "sweeps";
+  if (method == DLS_LEMKE) return one ? "exchange" : "exchanges";
+  if (method == DLS_NEWTON) return one ? "step" : "steps";
+  if (method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY)
+    return one ? "augmentation" : "augmentations";
+  return one ? "iteration" : "iterations";
+}
+
+const char *method_word(const outcome *o) {
+  return o->primal ? "gauss-seidel" : o->as_printed ? "jean" : dls_method_name(o->info.method);
+}
+
+void print_stages(const dls_info *info) {
+  for (int k = 0; k < info->stages; k++) {
+    const dls_stage *s = &info->stage[k];
+    printf("    %s: %d %s", dls_step_name(s->step), s->iterations,
+           iteration_word(s->method, s->iterations));
+    if (s->factorisations != s->iterations && s->factorisations)
+      printf(", %d factorisation%s", s->factorisations, plural(s->factorisations));
+    printf(", residual %.2e: %s\n", s->residual, dls_reason_text(s->reason));
+  }
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+void print_json_string(FILE *out, const char *text) {
+  fputs(quote(AS_JSON, text).text, out);
+}
+
+void print_json_number(FILE *out, double value) {
+  if (isfinite(value))
+    fprintf(out, "%.17g", value);
+  else
+    fputs("null", out);
+}
+
+void print_json_field(FILE *out, const char *name, double value) {
+  fprintf(out, ",\n  \"%s\": ", name);
+  print_json_number(out, value);
+}
+
+static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
+  fprintf(out, ",\n  \"%s\": [", name);
+  for (int i = 0; i < n; i++) {
+    if (i) fputs(", ", out);
+    print_json_number(out, x[i]);
+  }
+  fputc(']', out);
+}
+
+void print_json_verdict(FILE *out, const verdict *v, int proof) {
+  if (!v->says) return;
+  fputs(",\n  \"verdict\": ", out);
+  print_json_string(out, v->says);
+  fputs(",\n  \"next\": ", out);
+  print_json_string(out, v->next);
+  if (proof && v->farkas)
+    print_json_vector(out, v->exact ? "farkas" : "farkas_to_rounding", v->rows, v->farkas);
+  if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
+}
+
+void print_explanation(const char *indent, const dls_info *info) {
+  char text[200 * (DLS_STAGES_MAX + 4)];
+  (void)dls_explain(info, text, sizeof text);
+  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
+    printf("%s%s\n", indent, line);
+}
+
+static void print_json_stages(FILE *out, const dls_info *info) {
+  fputs(",\n  \"stages\": [", out);
+  for (int k = 0; k < info->stages; k++) {
+    const dls_stage *s = &info->stage[k];
+    fprintf(
+        out,
+        "%s\n    {\"method\": \"%s\", \"iterations\": %d, \"factorisations\": %d, \"residual\": ",
+        k ? "," : "", dls_method_name(s->method), s->iterations, s->factorisations);
+    print_json_number(out, s->residual);
+    fprintf(out, ", \"step\": \"%s\", \"reason\": \"%s\", \"cpu_seconds\": %.6g}",
+            dls_step_name(s->step), dls_reason_text(s->reason), s->cpu_seconds);
+  }
+  fputc(']', out);
+}
+
+void print_residuals(const char *indent, const dls_certificate *c) {
+  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)", indent, c->residual_u,
+         c->floor_u, c->residual_r, c->floor_r);
+  if (c->floor_e > 0) printf(", equilibrium %.2e (floor %.1e)", c->equilibrium, c->floor_e);
+  putchar('\n');
+}
+
+static const char *uniqueness_word(dls_uniqueness unique) {
+  return unique == DLS_UNIQUE_YES ? "yes" : unique == DLS_UNIQUE_NO ? "no" : "unknown";
+}
+
+void print_others(const char *indent, const dls_info *info) {
+  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
+  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
+  if (info->ambiguous)
+    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
+           plural(info->ambiguous));
+}
+
+static void print_json_unsettled(FILE *out, const unsettled *from) {
+  if (from->count == 0) return;
+  fputs(",\n  \"unsettled\": [", out);
+  for (int k = 0; k < from->count; k++)
+    fprintf(out, "%s%d", k ? ", " : "", from->candidate[k]);
+  fputc(']', out);
+  print_json_field(out, "unsettled_share", from->share);
+  print_json_field(out, "sweep_growth", from->growth);
+}
+
+void print_json(FILE *out, const outcome *o) {
+  const dls_certificate *c = &o->info.certificate;
+  fputs("{\n", out);
+  if (o->scene) {
+    fputs("  \"scene\": ", out);
+    print_json_string(out, o->scene);
+    fprintf(out, ",\n  \"weighted\": %s,\n", o->weighted ? "true" : "false");
+  }
+  fprintf(out, "  \"status\": \"%s\",\n  \"method\": \"%s\",\n", status_word(o->info.status),
+          method_word(o));
+  fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
+          o->info.iterations);
+  if (o->info.regime) fprintf(out, ",\n  \"regime\": \"%s\"", dls_regime_name(o->info.regime));
+  fprintf(out, ",\n  \"forces\": \"%s\"", o->info.forces == DLS_FORCES_LEAST ? "least" : "any");
+  print_json_field(out, "freedom", o->freedom < 0 ? (double)NAN : o->freedom);
+  fprintf(out, ",\n  \"unique\": \"%s\",\n  \"ambiguous\": %d", uniqueness_word(o->info.unique),
+          o->info.ambiguous);
+  print_json_field(out, "residual", c->residual);
+  print_json_field(out, "residual_u", c->residual_u);
+  print_json_field(out, "residual_r", c->residual_r);
+  print_json_field(out, "floor_u", c->floor_u);
+  print_json_field(out, "floor_r", c->floor_r);
+  if (c->floor_e > 0) {
+    print_json_field(out, "equilibrium", c->equilibrium);
+    print_json_field(out, "floor_e", c->floor_e);
+  }
+  if (o->primal) {
+    print_json_field(out, "equilibrium", o->primal->equilibrium);
+    print_json_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
+    print_json_field(out, "laws", o->primal->laws.residual);
+    print_json_field(out, "laws_floor_u", o->primal->laws.floor_u);
+    print_json_field(out, "laws_floor_r", o->primal->laws.floor_r);
+    fprintf(out, ",\n  \"thresholds\": %d", o->primal->thresholds);
+  }
+  print_json_field(out, "penetration", c->penetration);
+  print_json_field(out, "adhesion", c->adhesion);
+  print_json_field(out, "cone_violation", c->cone_violation);
+  print_json_field(out, "slip_direction", c->slip_direction);
+  print_json_field(out, "complementarity", c->complementarity);
+  if (o->prove) {
+    char words[120];
+    fputs(",\n  \"proof\": ", out);
+    print_json_string(out, proof_words(&o->proved, words, sizeof words));
+    print_json_field(out, "radius", o->proved.kind ? o->proved.radius : NAN);
+    print_json_field(out, "radius_u", o->proved.kind ? o->proved.radius_u : NAN);
+  }
+  if (o->scene) {
+    print_json_field(out, "resultant_t", o->Rt);
+    print_json_field(out, "resultant_n", o->Rn);
+  }
+  print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
+  if (o->info.stages) print_json_stages(out, &o->info);
+  print_json_verdict(out, &o->verdict, o->proof);
+  print_json_unsettled(out, &o->unsettled);
+  fputs("\n}\n", out);
+}
+
+/* ---- time, progress, signals ----------------------------------------------------------------- */
+
+static double clock_seconds(clockid_t clock_id) {
+  struct timespec t;
+  if (clock_gettime(clock_id, &t)) return 0;
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double cpu_seconds(void) {
+  return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
+static int line_shown;
+
+/* Ends the work where it next looks, or at once (end_at_once). A signal that comes two seconds
+ * later or more, while it does not look, ends the program. `timeout` sends its signal twice, at the
+ * same time. */
+static void on_interrupt(int number) {
+  static volatile sig_atomic_t first; /* seconds */
+  struct timespec t;
+  const sig_atomic_t now =
+      clock_gettime(CLOCK_MONOTONIC, &t) ? 0 : (sig_atomic_t)(t.tv_sec % 1000000);
+  if (ends_at_once || (interrupted && now > first + 1)) {
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+  }
+  if (!interrupted) first = now;
+  interrupted = 1;
+}
+
+void watch_interrupt(void) {
+  static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+  struct sigaction action, before;
+  memset(&action, 0, sizeof action);
+  action.sa_handler = on_interrupt;
+  for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) /* nohup stays as it is */
+    if (signals[k] == SIGINT ||
+        (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN))
+      (void)sigaction(signals[k], &action, NULL);
+}
+
+void end_at_once(int on) {
+  ends_at_once = on;
+}
+
+int was_interrupted(void) {
+  return interrupted;
+}
+
+int show_progress(void *data, const dls_progress *p) {
+  (void)data;
+  ends_at_once = 0;
+  if (interrupted) return 1;
+  if (is_verbose()) {
+    fprintf(stderr, "%s: %d", p->last ? p->method : p->stage, p->iteration);
+    if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
+    if (p->cpu_seconds > 0) fprintf(stderr, ", %.3g s of CPU", p->cpu_seconds);
+    if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
+    fputs(p->last ? ", end\n" : "\n", stderr);
+    return 0;
+  }
+  if (p->last || is_quiet()) return 0;
+  const double now = clock_seconds(CLOCK_MONOTONIC);
+  if (first_shown == 0) first_shown = now;
+  if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
+  last_shown = now;
+  line_shown = 1;
+  fprintf(stderr, "\r%s: %d", p->stage, p->iteration);
+  if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
+  if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
+  fputs("\033[K", stderr);
+  fflush(stderr);
+  return 0;
+}
+
+int show_reduction(void *data, const dls_progress *p) {
+  ends_at_once = 0;
+  if (p->last) progress_end();
+  return is_verbose() ? interrupted : show_progress(data, p);
+}
+
+void progress_end(void) {
+  if (line_shown) fputs("\r\033[K", stderr);
+  line_shown = 0;
+}

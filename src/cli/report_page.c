@@ -1,0 +1,284 @@
+/*
+ * report_page.c: the page of delassus report: one HTML file, well-formed XML besides, that loads
+ * nothing; and the same as text on stdout. Names and words, which are anybody's bytes, go through
+ * quote(); the pictures are gnuplot's, within the page.
+ */
+#define _GNU_SOURCE
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+enum { MOST_PICTURE = 280000 }; /* bytes: four pictures and the tables stay below 1 MB */
+
+/* Colours follow the reader's; pictures are drawn on white and turned in the dark. */
+static const char head[] =
+    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
+    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
+    "<meta name=\"color-scheme\" content=\"light dark\" />\n";
+static const char style[] =
+    "<style>\n"
+    ":root { --ink: #1a1a1a; --paper: #fff; --line: #d0d0d0; --soft: #f3f5f8; --mark: #0050a0 }\n"
+    "@media (prefers-color-scheme: dark) {\n"
+    "  :root { --ink: #e6e6e6; --paper: #191919; --line: #444; --soft: #242629; --mark: #8ab8f0 }\n"
+    "  svg { filter: invert(.9) hue-rotate(180deg) }\n}\n"
+    "body { margin: 0 auto; padding: 1rem; max-width: 72rem; color: var(--ink);\n"
+    "  background: var(--paper); font: 16px/1.5 system-ui, sans-serif }\n"
+    "h1 { font-size: 1.4rem; margin: 0 0 .5rem; overflow-wrap: anywhere }\n"
+    "h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; padding-top: .5rem;\n"
+    "  border-top: 1px solid var(--line) }\n"
+    ".lead { font-size: 1.15rem; padding: .7rem 1rem; background: var(--soft);\n"
+    "  border-left: 4px solid var(--mark); overflow-wrap: anywhere }\n"
+    ".note { font-size: .9rem; opacity: .85 }\n"
+    "span { white-space: nowrap }\n"
+    "p { margin: .5rem 0 } p, li { overflow-wrap: anywhere }\n"
+    ".wide { overflow-x: auto; margin: .7rem 0 }\n"
+    "table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums }\n"
+    "th, td { padding: .2rem .7rem .2rem 0; text-align: right; white-space: nowrap;\n"
+    "  border-bottom: 1px solid var(--line) }\n"
+    "th { font-weight: 600 } th:first-child, td:first-child { text-align: left }\n"
+    "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; overflow-x: auto;\n"
+    "  font-size: .85rem }\n"
+    "figure { margin: .8rem 0 } figcaption { font-size: .9rem; opacity: .85 }\n"
+    "svg { display: block; width: 100%; height: auto }\n"
+    "@media (max-width: 600px) { th, td { white-space: normal; padding-right: .5rem } }\n"
+    "@media print {\n"
+    "  :root { --ink: #000; --paper: #fff; --line: #bbb; --soft: #f3f3f3; --mark: #000 }\n"
+    "  svg { filter: none; min-width: 0 !important } body { font-size: 11px; max-width: none }\n"
+    "  figure, table, pre { break-inside: avoid } h2 { break-after: avoid }\n"
+    "  .wide { overflow: visible } pre { white-space: pre-wrap }\n}\n"
+    "</style>\n</head>\n<body>\n";
+
+int page_open(page *p, const char *directory, const char *name, const char *title, int text) {
+  p->html = open_in(directory, name);
+  p->text = text;
+  p->pictures = 0;
+  if (!p->html) return 0;
+  fprintf(p->html, "%s<title>%s</title>\n%s", head, quote(AS_HTML, title).text, style);
+  page_say(p, PAGE_TITLE, "%s", title);
+  return 1;
+}
+
+int page_close(page *p, const char *name) {
+  fputs("</body>\n</html>\n", p->html);
+  return close_file(p->html, name);
+}
+
+/* Writes text between tags; numbers such as 1e-03 stay in one line. */
+static void write_words(const page *p, const char *text) {
+  const quoted q = quote(AS_HTML, text);
+  for (const char *at = q.text; *at;) {
+    const int length = (int)strcspn(at, " ");
+    const char *power = strstr(at, "e-");
+    const int whole = power && power < at + length && power > at;
+    fprintf(p->html, whole ? "<span>%.*s</span>" : "%.*s", length, at);
+    at += length;
+    if (*at) fputc(*at++, p->html);
+  }
+}
+
+void page_say(page *p, page_words kind, const char *format, ...) {
+  static const char *const begin[] = {[PAGE_TITLE] = "<h1>",
+                                      [PAGE_SECTION] = "<h2>",
+                                      [PAGE_LEAD] = "<p class=\"lead\">",
+                                      [PAGE_PLAIN] = "<p>",
+                                      [PAGE_NOTE] = "<p class=\"note\">",
+                                      [PAGE_COMMAND] = "<pre>"};
+  static const char *const end[] = {"</h1>", "</h2>", "</p>", "</p>", "</p>", "</pre>"};
+  char text[PAGE_SENTENCE];
+  va_list args;
+  va_start(args, format);
+  if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
+  va_end(args);
+  fputs(begin[kind], p->html);
+  if (kind == PAGE_COMMAND)
+    fputs(quote(AS_HTML, text).text, p->html);
+  else
+    write_words(p, text);
+  fprintf(p->html, "%s\n", end[kind]);
+  if (!p->text) return;
+  const char *shown = kind == PAGE_SECTION ? "\n== " : kind == PAGE_COMMAND ? "  $ " : "";
+  printf("%s%s%s\n", shown, quote(AS_SHOWN, text).text, kind == PAGE_SECTION ? " ==" : "");
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+void page_table(page *p, const char *heads) {
+  p->columns = p->cells = 0;
+  while (*heads) {
+    const int length = (int)strcspn(heads, ",");
+    page_cell(p, "%.*s", length, heads);
+    p->columns++;
+    heads += length + (heads[length] == ',');
+  }
+}
+
+void page_cell(page *p, const char *format, ...) {
+  va_list args;
+  if (p->cells == PAGE_CELLS) return;
+  va_start(args, format);
+  if (vsnprintf(p->cell[p->cells], PAGE_CELL, format, args) < 0) p->cell[p->cells][0] = '\0';
+  va_end(args);
+  p->cells++;
+}
+
+/* Prints a row of the table in text, each column as wide as its widest cell. */
+static void page_row(const page *p, int row, const int *width) {
+  for (int j = 0; j < p->columns; j++) {
+    const quoted q = quote(AS_SHOWN, p->cell[row * p->columns + j]);
+    printf(j ? "  %*s" : "%-*s", width[j], q.text);
+  }
+  putchar('\n');
+}
+
+void page_table_end(page *p) {
+  int width[PAGE_COLUMNS] = {0};
+  const int rows = p->columns ? p->cells / p->columns : 0;
+  fputs("<div class=\"wide\"><table>\n", p->html);
+  for (int i = 0; i < rows; i++) {
+    const char *mark = i ? "td" : "th";
+    fputs("<tr>", p->html);
+    for (int j = 0; j < p->columns; j++) {
+      const char *cell = p->cell[i * p->columns + j];
+      const int length = (int)strlen(quote(AS_SHOWN, cell).text);
+      if (length > width[j]) width[j] = length;
+      fprintf(p->html, "<%s>", mark);
+      write_words(p, cell);
+      fprintf(p->html, "</%s>", mark);
+    }
+    fputs("</tr>\n", p->html);
+  }
+  fputs("</table></div>\n", p->html);
+  for (int i = 0; p->text && i < rows; i++)
+    page_row(p, i, width);
+}
+
+/* Finds the numbers of the wanted columns; returns how many. */
+static int find_columns(const char *columns, char **name, int count, int *which) {
+  int found = 0;
+  for (int k = 0; k < count && !*columns && found < PAGE_COLUMNS; k++)
+    which[found++] = k;
+  while (*columns && found < PAGE_COLUMNS) {
+    const size_t length = strcspn(columns, ",");
+    for (int k = 0; k < count; k++)
+      if (strlen(name[k]) == length && !strncmp(name[k], columns, length)) {
+        which[found++] = k;
+        break;
+      }
+    columns += length + (columns[length] == ',');
+  }
+  return found;
+}
+
+/* Adds a field, a number to four digits. */
+static void add_field(page *p, const char *text) {
+  char *end;
+  const double x = strtod(text, &end);
+  if (*text && !*end && strlen(text) > 6)
+    page_cell(p, "%.4g", x);
+  else
+    page_cell(p, "%s", text);
+}
+
+/* Returns the number of fields of a row that counts; 0 for a comment and a row without `only`. */
+static int cut_row(char *line, const char *only, char **field) {
+  if (line[0] == '#') return 0;
+  const int count = cut_fields(line, field);
+  for (int k = 0; only && k < count; k++)
+    if (!strcmp(field[k], only)) return count;
+  return only ? 0 : count;
+}
+
+int page_csv(page *p, const char *directory, const char *name, const char *columns,
+             const char *only, int rows) {
+  char path[PATH_ROOM], line[LONGEST_LINE], *field[MOST_FIELDS];
+  int which[PAGE_COLUMNS], count = 0, row = 0;
+  if (!join_path(path, directory, name)) return 0;
+  FILE *file = fopen(path, "r");
+  if (!file) return 0;
+  while (fgets(line, sizeof line, file))
+    count += cut_row(line, only, field) > 0;
+  if (!only) count--; /* the heads */
+  rewind(file);
+  p->columns = 0;
+  while (p->columns == 0 && fgets(line, sizeof line, file))
+    if (line[0] != '#') p->columns = find_columns(columns, field, cut_fields(line, field), which);
+  p->cells = 0;
+  for (int j = 0; j < p->columns; j++)
+    page_cell(p, "%s", field[which[j]]);
+  while (fgets(line, sizeof line, file)) {
+    const int fields = cut_row(line, only, field);
+    if (!fields || row++ < count - rows) continue;
+    for (int j = 0; j < p->columns; j++)
+      add_field(p, which[j] < fields ? field[which[j]] : "");
+  }
+  (void)fclose(file);
+  if (p->columns) page_table_end(p);
+  return p->columns > 0;
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+/* Reads a file whole, up to MOST_PICTURE bytes; the caller frees it. NULL: not there, too large. */
+static char *read_picture(const char *directory, const char *name) {
+  char path[PATH_ROOM];
+  if (!join_path(path, directory, name)) return NULL;
+  FILE *file = fopen(path, "rb");
+  if (!file) return NULL;
+  char *text = malloc(MOST_PICTURE + 1);
+  const size_t got = text ? fread(text, 1, MOST_PICTURE + 1, file) : 0;
+  (void)fclose(file);
+  if (got == 0 || got > MOST_PICTURE) {
+    free(text);
+    return NULL;
+  }
+  text[got] = '\0';
+  return text;
+}
+
+/* Returns 1 if an id of the picture, or a reference to one, follows the character. */
+static int before_id(const char *at) {
+  static const char *const before[] = {" id='", " id=\"", "href='#", "href=\"#", "url(#"};
+  for (int k = 0; k < 5; k++) {
+    const size_t length = strlen(before[k]);
+    if (!strncmp(at + 1 - length, before[k], length)) return 1;
+  }
+  return 0;
+}
+
+/* Writes what follows the first tag of the picture: the ids of gnuplot, which all pictures share,
+ * get the number of this one; its title, the same for all, is left out. */
+static void write_picture(const page *p, const char *text) {
+  const char *title = strstr(text, "<title>Gnuplot</title>");
+  if (title) text = title + strlen("<title>Gnuplot</title>");
+  for (int in_tag = 0; *text; text++) {
+    fputc(*text, p->html);
+    in_tag = *text == '<' || (in_tag && *text != '>');
+    if (in_tag && before_id(text)) fprintf(p->html, "p%d", p->pictures);
+  }
+}
+
+int page_picture(page *p, const char *directory, const char *name, const char *words) {
+  double width, height;
+  char *text = read_picture(directory, name);
+  const char *box = text ? strstr(text, "viewBox=\"") : NULL;
+  const char *after = box ? strchr(box, '>') : NULL;
+  const int good = after && sscanf(box, "viewBox=\"0 0 %lf %lf", &width, &height) == 2;
+  if (good) {
+    p->pictures++;
+    /* a wide picture scrolls on a small screen, where its words would be too small */
+    fprintf(p->html,
+            "<figure><div class=\"wide\"><svg role=\"img\" aria-label=\"%s\" viewBox=\"0 0 %g %g\" "
+            "style=\"max-width:%gpx;min-width:%gpx\" xmlns=\"http://www.w3.org/2000/svg\" "
+            "xmlns:xlink=\"http://www.w3.org/1999/xlink\">",
+            quote(AS_HTML, words).text, width, height, width, 0.75 * width);
+    write_picture(p, after + 1);
+    fprintf(p->html, "</div><figcaption>%s</figcaption></figure>\n", quote(AS_HTML, words).text);
+    if (p->text)
+      printf("[picture: %s/%s: %s]\n", quote(AS_SHOWN, directory).text, name,
+             quote(AS_SHOWN, words).text);
+  }
+  free(text);
+  return good;
+}

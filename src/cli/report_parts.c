@@ -1,0 +1,238 @@
+/*
+ * report_parts.c: the parts of a page that other commands make: chart, map and scene run within
+ * this one, into folders beside the page, which takes their tables and pictures in. Each command
+ * line is printed at the end of the page, so that every part can be drawn again.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+enum { MAP_OF_METHODS = 6, MAP_OF_STEPS = 4, STEP_CELLS = 24, METHODS = 13, MOST_TABLE = 40 };
+enum { MOST_WORDS = 16, most_rows_of_facts = 1500, most_contacts_of_fold = 40 };
+
+/* ---- commands -------------------------------------------------------------------------------- */
+
+/* A command line. */
+typedef struct line {
+  int count;
+  char word[MOST_WORDS][PATH_ROOM];
+} line;
+
+static void add_words(line *l, const char *words) {
+  while (*words && l->count < MOST_WORDS) {
+    const int length = (int)strcspn(words, " ");
+    if (length) (void)snprintf(l->word[l->count++], PATH_ROOM, "%.*s", length, words);
+    words += length + (words[length] == ' ');
+  }
+}
+
+static void add_word(line *l, const char *before, const char *word) {
+  if (l->count < MOST_WORDS)
+    (void)snprintf(l->word[l->count++], PATH_ROOM, "%s%.*s", before, PATH_ROOM - 20, word);
+}
+
+/* Begins the command `what` with its options on the scene or file, its files in FOLDER/what. */
+static void begin_line(line *l, const parts *a, const char *what, const char *options) {
+  l->count = 0;
+  add_words(l, what);
+  add_words(l, options);
+  add_word(l, "--out=", what);
+  if (a->name[0] == '-') add_word(l, "", "--");
+  add_word(l, "", a->name);
+}
+
+/* Writes the command as a shell reads it: words with other characters in quotes. */
+static void write_line(const line *l, char *text, size_t size) {
+  size_t used = (size_t)snprintf(text, size, "delassus");
+  for (int k = 0; k < l->count && used + 8 < size; k++) {
+    const char *w = l->word[k];
+    const int plain = w[strspn(w, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                  "-_=./,:+")] == '\0';
+    used += (size_t)snprintf(text + used, size - used, plain ? " " : " '");
+    for (; *w && used + 8 < size; w++) /* ' ends the quotes, stands escaped, begins them again */
+      used += (size_t)snprintf(text + used, size - used, *w == '\'' ? "'\\''" : "%c", *w);
+    if (!plain) used += (size_t)snprintf(text + used, size - used, "'");
+  }
+}
+
+/* Runs the command line, its files in FOLDER/what; returns its exit status. `why` (PATH_ROOM): what
+ * it complained of. */
+static int run_line(line *l, const parts *a, const char *what, int (*run)(int, char **),
+                    char path[PATH_ROOM], char *why) {
+  static char quiet[] = "--quiet";
+  char out[PATH_ROOM + 8], *argv[MOST_WORDS + 2];
+  int count = 0;
+  why[0] = '\0';
+  if (!join_path(path, a->folder, what)) return EXIT_BAD_INPUT;
+  (void)snprintf(out, sizeof out, "--out=%s", path);
+  for (int k = 0; k < l->count; k++) {
+    argv[count++] = strncmp(l->word[k], "--out=", 6) ? l->word[k] : out;
+    if (k == 0) argv[count++] = quiet;
+  }
+  argv[count] = NULL;
+  return run_command(run, argv, why);
+}
+
+/* Begins the command `what` and notes it. */
+static void note_line(parts *a, line *l, const char *what, const char *options) {
+  begin_line(l, a, what, options);
+  if (a->commands < MOST_COMMANDS) write_line(l, a->command[a->commands++], COMMAND_ROOM);
+}
+
+void part_note(parts *a, const char *options) {
+  line l;
+  note_line(a, &l, "report", options);
+}
+
+/* Runs a command for this page; says on the page why it did not work. Returns 1 if it did. */
+static int make_part(parts *a, const char *what, const char *options, int (*run)(int, char **),
+                     char path[PATH_ROOM]) {
+  line l;
+  char why[PATH_ROOM];
+  note_line(a, &l, what, options);
+  if (run_line(&l, a, what, run, path, why) != EXIT_BAD_INPUT) return 1;
+  page_say(a->page, PAGE_NOTE, "No %s: %.600s", what, *why ? why : "it failed");
+  return 0;
+}
+
+/* ---- speed against accuracy ------------------------------------------------------------------ */
+
+void part_speed(parts *a, int step) {
+  char path[PATH_ROOM], options[40], of_step[24] = "";
+  if (step) (void)snprintf(of_step, sizeof of_step, " --step=%d", step);
+  (void)snprintf(options, sizeof options, "--budget=%.2g%s", a->cpu, of_step);
+  if (!make_part(a, "chart", options, command_chart, path)) return;
+  (void)page_picture(a->page, path, "chart.svg",
+                     "Every method: residual, cost, error and convergence");
+  page_say(a->page, PAGE_PLAIN, "Every method to 1e-08:");
+  (void)page_csv(a->page, path, "chart.csv",
+                 "method,verdict,cpu_s,times_fastest,iterations,residual,error", "1e-08",
+                 MOST_TABLE);
+}
+
+/* ---- stability ------------------------------------------------------------------------------- */
+
+/* What the words of a map mean. */
+static const struct {
+  const char *word, *meaning;
+} meanings[] = {{"solved", "an answer with a certificate; a scene: it finishes"},
+                {"not decided", "a limit was met, and with ten times the limit, too: no verdict"},
+                {"no progress", "it cycles, or the residual stands still"},
+                {"ray", "Lemke's method stopped on a ray: a solution may or may not exist"},
+                {"likely none", "jam: the reactions grow without bound, no solution is likely"},
+                {"proved none", "no solution exists: proved"},
+                {"mesh folded", "the mesh folds"},
+                {"refused", "too large for the method, or not of its kind"}};
+enum { MEANINGS = sizeof meanings / sizeof meanings[0] };
+
+/* Counts the cells of map.csv by their verdict. */
+static void count_cells(const parts *a, const char *path) {
+  char name[PATH_ROOM], row[LONGEST_LINE], *field[MOST_FIELDS];
+  int count[MEANINGS] = {0}, at = -1;
+  FILE *file = join_path(name, path, "map.csv") ? fopen(name, "r") : NULL;
+  if (!file) return;
+  while (fgets(row, sizeof row, file)) {
+    const int fields = cut_fields(row, field);
+    if (at < 0) {
+      for (int k = 0; k < fields; k++)
+        if (!strcmp(field[k], "verdict")) at = k;
+      if (at < 0) break;
+      continue;
+    }
+    for (int k = 0; k < MEANINGS && at < fields; k++)
+      count[k] += !strcmp(field[at], meanings[k].word);
+  }
+  (void)fclose(file);
+  page_table(a->page, "cells,verdict,meaning");
+  for (int k = 0; k < MEANINGS; k++) {
+    if (!count[k]) continue;
+    page_cell(a->page, "%d", count[k]);
+    page_cell(a->page, "%s", meanings[k].word);
+    page_cell(a->page, "%s", meanings[k].meaning);
+  }
+  page_table_end(a->page);
+}
+
+/* Tells what is known of the friction of a contact problem. */
+static void tell_friction(const parts *a, const dls_contact *contact) {
+  dls_diagnosis facts;
+  dls_fold fold;
+  if (dls_contact_diagnose(contact, most_rows_of_facts, &facts, NULL)) return;
+  if (isinf(facts.friction_unique))
+    page_say(a->page, PAGE_PLAIN, "With any friction each load has one answer (proved).");
+  else if (facts.friction_unique > 0)
+    page_say(a->page, PAGE_PLAIN, "Below friction %.3g each load has one answer (proved).",
+             facts.friction_unique);
+  if (isfinite(facts.friction_critical))
+    page_say(a->page, PAGE_PLAIN, "Above friction %.3g contact %d alone can jam.",
+             facts.friction_critical, facts.critical + 1);
+  if (contact->nc <= most_contacts_of_fold &&
+      !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL)) {
+    if (isfinite(fold.friction))
+      page_say(a->page, PAGE_PLAIN, "Fold%s: above friction %.3g some loads have several answers.",
+               fold.exact ? "" : " (found by search, or lower)", fold.friction);
+    else if (fold.exact)
+      page_say(a->page, PAGE_PLAIN, "There is no fold: no friction gives several answers.");
+  }
+}
+
+void part_stability(parts *a, const dls_contact *contact) {
+  const int steps = a->scene && a->scene->kind != SCENE_AT_ONCE;
+  const int rows = steps ? MAP_OF_STEPS : MAP_OF_METHODS;
+  char path[PATH_ROOM], options[60];
+  (void)snprintf(options, sizeof options, "--rows=%d --limit=%.2g", rows,
+                 a->cpu / (steps ? STEP_CELLS : rows * METHODS));
+  if (!steps) tell_friction(a, contact);
+  if (!make_part(a, "map", options, command_map, path)) return;
+  const int drawn = page_picture(a->page, path, "map.svg",
+                                 steps ? "Does the scene finish? Friction against steps"
+                                       : "Which method works up to which friction");
+  count_cells(a, path);
+  if (!drawn)
+    (void)page_csv(a->page, path, "map.csv", steps ? "" : "mu,method,verdict,cpu_s,residual", NULL,
+                   PAGE_CELLS / PAGE_COLUMNS);
+}
+
+/* ---- the run: motion, contacts --------------------------------------------------------------- */
+
+void part_run(parts *a, const scene_answer *got) {
+  char path[PATH_ROOM], options[SETTING_ROOM];
+  static const char *const pictures[3][2] = {
+      {"deformed.svg", "reactions.svg"}, {"force.svg", "pressure.svg"}, {"map.svg", "bar.svg"}};
+  static int (*const run[3])(int, char **) = {command_scene, command_forming, command_moving};
+  const int kind = (int)a->scene->kind - (int)SCENE_AT_ONCE;
+  const int moves = a->scene->kind == SCENE_MOVING;
+  (void)setting_options(a->scene, a->take, options, sizeof options);
+  page_say(a->page, PAGE_SECTION, moves ? "Motion: drift of energy" : "Contacts");
+  if (!make_part(a, "scene", options, run[kind], path)) return;
+  if (moves) {
+    page_say(a->page, PAGE_PLAIN,
+             "The energy balance of the worst step is off by %.1e of the energies in it.",
+             got->drift);
+    if (isfinite(got->gap))
+      page_say(a->page, PAGE_PLAIN, "The gap is off by %.2g %% of the closed form (L2 over time).",
+               100 * got->gap);
+    (void)page_picture(a->page, path, "energy.svg", "Energies, works, and what does not balance");
+    (void)page_csv(a->page, path, "energy.csv", "", NULL, 1);
+    page_say(a->page, PAGE_SECTION, "Contacts");
+  }
+  static const char *const captions[3][2] = {
+      {"The deformed mesh and its reactions", "Reactions along the contact line"},
+      {"Force against travel", "Pressure over the surface and the travel"},
+      {"State and pressure over surface and time", "Gap and force beside the closed form"}};
+  for (int k = 0; k < 2; k++)
+    (void)page_picture(a->page, path, pictures[kind][k], captions[kind][k]);
+  static const char *const columns[3] = {"candidate,x,rn,rt,un,ut,status",
+                                         "candidate,x,y,gap,slip,rn,rt",
+                                         "t,candidate,r_n,r_t,u_n,u_t,state"};
+  page_say(a->page, PAGE_PLAIN, "The last rows of contact.csv:");
+  (void)page_csv(a->page, path, "contact.csv", columns[kind], NULL, MOST_TABLE / 2);
+}
+
+void part_commands(const parts *a) {
+  page_say(a->page, PAGE_PLAIN, "No part draws random numbers; CPU times differ between runs.");
+  for (int k = 0; k < a->commands; k++)
+    page_say(a->page, PAGE_COMMAND, "%s", a->command[k]);
+}

@@ -1,0 +1,204 @@
+/* report_words.c: the words, the tables and the pictures of an error budget (report.h). */
+#include <math.h>
+#include <string.h>
+
+#include "report.h"
+
+static const char *percent(double part, char text[24]) {
+  (void)snprintf(text, 24,
+                 !isfinite(part) ? "unknown"
+                 : part < 0.1    ? "%.2g %%"
+                                 : "%.0f %%",
+                 100 * part);
+  return text;
+}
+
+void budget_verdict(const budget *b, char *text, size_t size) {
+  const scene *s = b->scene;
+  const probe *take = &b->probe[b->take];
+  char words[SETTING_ROOM], more[SETTING_ROOM], wanted[24], error[24];
+  (void)setting_words(s, &take->at, words, sizeof words);
+  (void)percent(b->accuracy, wanted);
+  (void)percent(b->error, error);
+  if (take->got.status) {
+    (void)snprintf(text, size, "%s does not finish: %s, after %.0f %% of the steps", s->name,
+                   dls_status_text(take->got.status), 100 * take->got.part);
+  } else if (b->met) {
+    (void)snprintf(text, size, "Take %s: %s within %s, %.2g s of CPU (measured: %s)", words,
+                   s->answer, wanted, take->got.seconds, error);
+  } else if (b->enough_seconds > 0) {
+    (void)snprintf(
+        text, size,
+        "Not decided: %.3g s of CPU do not reach %s. The best that was tried, %s: %s within "
+        "about %s, %.2g s. By the measured order %s would be enough, in about %.3g s",
+        b->limit, wanted, words, s->answer, error, take->got.seconds,
+        setting_words(s, &b->enough, more, sizeof more), b->enough_seconds);
+  } else {
+    (void)snprintf(text, size,
+                   "Not decided: no setting is within %s as measured. The best that was tried, %s: "
+                   "%s within about %s, %.2g s of CPU",
+                   wanted, words, s->answer, error, take->got.seconds);
+  }
+}
+
+/* Adds a row of the budget: a run beside the one of which a part was changed. */
+static void add_change(const budget *b, page *p, const char *what, int from, int to) {
+  char words[SETTING_ROOM], text[24];
+  const probe *x = &b->probe[from], *y = &b->probe[to];
+  page_cell(p, "%s", what);
+  page_cell(p, "%s", setting_words(b->scene, &y->at, words, sizeof words));
+  if (y->got.status)
+    page_cell(p, "%s", dls_status_text(y->got.status));
+  else
+    page_cell(p, "%.6g", y->got.value);
+  page_cell(p, "%s", from == to ? "" : percent(fabs(y->got.value / x->got.value - 1), text));
+  page_cell(p, "%.2g", y->got.seconds);
+}
+
+/* Adds the row of a ladder: `finer` levels up, or, where there was no time, fewer, or down. */
+static void add_ladder(const budget *b, page *p, const ladder *l, int finer, const char *words,
+                       const char *coarser) {
+  for (int level = finer; level >= -finer; level--) {
+    const int k = level ? ladder_probe(b, l, level) : -1;
+    if (k < 0) continue;
+    add_change(b, p,
+               level == finer ? words
+               : level > 0    ? "mesh * 1.4"
+                              : coarser,
+               ladder_probe(b, l, 0), k);
+    return;
+  }
+}
+
+static void say_ladder(page *p, const ladder *l) {
+  char text[24];
+  if (l->low >= l->high) return;
+  if (isfinite(l->order))
+    page_say(p, PAGE_PLAIN, "%s: %d levels; the answer tends to %.6g with order %.2g, known to %s.",
+             l->part, l->high - l->low + 1, l->limit, l->order, percent(l->doubt, text));
+  else
+    page_say(p, PAGE_PLAIN,
+             "%s: %d levels; the answer scatters around %.6g by %s and has no order.", l->part,
+             l->high - l->low + 1, l->limit, percent(l->doubt, text));
+}
+
+static void add_tried(const budget *b, page *p) {
+  char words[SETTING_ROOM], text[24];
+  page_table(p, "run,setting,answer,from the reference,CPU s");
+  for (int k = 0; k < b->probes; k++) {
+    const probe *q = &b->probe[k];
+    if (k != b->take && k != b->check && strcmp(q->part, "search") != 0) continue;
+    page_cell(p, "%s", k == b->take ? "to take" : k == b->check ? "check" : "tried");
+    page_cell(p, "%s", setting_words(b->scene, &q->at, words, sizeof words));
+    page_cell(p, "%.6g", q->got.value);
+    page_cell(p, "%s", percent(budget_error(b, k), text));
+    page_cell(p, "%.2g", q->got.seconds);
+  }
+  page_table_end(p);
+}
+
+void budget_tables(const budget *b, page *p) {
+  char text[24];
+  const scene *s = b->scene;
+  const char *unit = s->unit;
+  char heads[120];
+  page_say(p, PAGE_PLAIN,
+           "The answer is the %s [%s]. Each part of the setting is made finer alone.", s->answer,
+           unit);
+  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", unit);
+  page_table(p, heads);
+  add_change(b, p, "as it is", b->own, b->own);
+  add_ladder(b, p, &b->tol, 1, "tolerance / 10", "tolerance * 10");
+  add_ladder(b, p, &b->steps, 1, "steps * 2", "steps / 2");
+  add_ladder(b, p, &b->mesh, 2, s->dynamic ? "mesh and steps * 2" : "mesh * 2", "mesh, coarser");
+  for (int k = 0; k < b->probes; k++)
+    if (strcspn(b->probe[k].part, " ") < strlen(b->probe[k].part)) /* a variant has two words */
+      add_change(b, p, b->probe[k].part, b->own, k);
+  page_table_end(p);
+  say_ladder(p, &b->mesh);
+  say_ladder(p, &b->steps);
+  page_say(p, PAGE_PLAIN, "Reference: %.6g, known to %s. %d runs, %.2g s of CPU.", b->reference,
+           percent(b->doubt, text), b->probes, cpu_seconds() - b->start);
+  add_tried(b, p);
+  if (b->met && b->check < 0)
+    page_say(p, PAGE_NOTE, "There was no time for a check run with half the element size.");
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+static int budget_csv(const budget *b, const char *directory) {
+  char words[SETTING_ROOM];
+  FILE *file = open_in(directory, "budget.csv");
+  if (!file) return 0;
+  fputs("part,setting,status,answer,error,cpu_s\n", file);
+  for (int k = 0; k < b->probes; k++) {
+    const probe *p = &b->probe[k];
+    fprintf(file, "%s,%s,%s,%.10g,%.3e,%.4e\n", quote(AS_CSV, p->part).text,
+            setting_options(b->scene, &p->at, words, sizeof words), status_word(p->got.status),
+            p->got.value, budget_error(b, k), p->got.seconds);
+  }
+  return close_file(file, "budget.csv");
+}
+
+/* Writes a point, CPU and error; smaller errors than a hundredth of the accuracy stand there. */
+static int write_point(FILE *s, const budget *b, int k, double error) {
+  const probe *p = &b->probe[k];
+  if (p->got.status || !isfinite(error)) return 0;
+  fprintf(s, "%.4g %.4g\n", p->got.seconds, 100 * fmax(error, 0.01 * b->accuracy));
+  return 1;
+}
+
+/* Writes budget.dat: a block for each ladder, from its own limit, and one of the settings that were
+ * tried. points: out, of each block. */
+static int budget_data(const budget *b, const char *directory, int points[4]) {
+  const ladder *const ladders[] = {&b->mesh, &b->steps, &b->tol};
+  FILE *s = open_in(directory, "budget.dat");
+  if (!s) return 0;
+  for (int j = 0; j < 3; j++) {
+    fputs("NaN NaN\n", s); /* keeps a block of no rows */
+    points[j] = 0;
+    for (int level = ladders[j]->low; level <= ladders[j]->high; level++) {
+      const int k = ladder_probe(b, ladders[j], level);
+      if (k >= 0)
+        points[j] += write_point(s, b, k, fabs(b->probe[k].got.value / ladders[j]->limit - 1));
+    }
+    fputs("\n\n", s);
+  }
+  fputs("NaN NaN\n", s);
+  points[3] = 0;
+  for (int k = 0; k < b->probes; k++)
+    if (k == b->check || !strcmp(b->probe[k].part, "search"))
+      points[3] += write_point(s, b, k, budget_error(b, k));
+  return close_file(s, "budget.dat");
+}
+
+int budget_picture(const budget *b, const char *directory) {
+  static const char *const looks[] = {
+      "linespoints pt 7 ps 1 lw 2 lc rgb '#0072b2'", "linespoints pt 5 ps 1 lw 2 lc rgb '#e69f00'",
+      "linespoints pt 9 ps 1 lw 2 lc rgb '#009e73'", "points pt 6 ps 1.6 lw 2 lc rgb '#000000'"};
+  static const char *const titles[] = {"mesh alone", "steps alone", "tolerance alone",
+                                       "tried together"};
+  int points[4];
+  if (!budget_csv(b, directory) || !budget_data(b, directory, points)) return 0;
+  FILE *s = open_script(directory, "budget");
+  if (!s) return 0;
+  fputs("set datafile missing 'NaN'\n", s);
+  begin_pictures(s, "budget", 760, 480);
+  const probe *take = &b->probe[b->take];
+  fprintf(
+      s,
+      "  set logscale xy\n  set grid lc rgb '#d8d8d8'\n  set key outside top center horizontal\n"
+      "  set format x '%%g'\n  set format y '%%g'\n  set xlabel 'CPU [s]'\n"
+      "  set ylabel 'error of the %s [%%]'\n  set offsets graph 0.05, graph 0.12, graph 0.08, 0\n"
+      "  set label 'take' at first %.5g,%.5g point pt 6 ps 3 lw 3 lc rgb '#d55e00' offset "
+      "1.2,0.6 tc rgb '#d55e00' front\n",
+      b->scene->answer, take->got.seconds,
+      100 * fmax(budget_error(b, b->take), 0.01 * b->accuracy));
+  fprintf(s, "  plot %g with lines lw 1.5 dt 2 lc rgb '#808080' title 'wanted'", 100 * b->accuracy);
+  for (int k = 0; k < 4; k++)
+    if (points[k] > 0)
+      fprintf(s, ", \\\n       'budget.dat' index %d using 1:2 with %s title '%s'", k, looks[k],
+              titles[k]);
+  fputs("\n", s);
+  return draw_script(s, directory, "budget") == 2;
+}

@@ -1,0 +1,321 @@
+/* setting.c: runs a scene of any kind at a setting; its one number (setting.h). */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "setting.h"
+
+enum { REPEATS = 3 };
+static const double short_run = 0.05; /* CPU seconds: a shorter run is timed again */
+
+/* What stands for the answer of a scene. */
+static const struct {
+  const char *name, *answer, *unit;
+} answers[] = {{"jean-fig3", "friction force", "N/m"},
+               {"jean-fig4", "friction force", "N/m"},
+               {"indentation", "force on the cylinder", "N/mm"},
+               {"extrusion", "force on the ram", "N/rad"},
+               {"bar-impact", "impulse of the wall", "N s"},
+               {"bar-bounce", "impulse of the wall", "N s"},
+               {"bar-fixed", "impulse of the wall", "N s"},
+               {"jean-moving", "work of friction", "J/m"},
+               {"jean-moving4", "work of friction", "J/m"},
+               {"block-drop", "impulse of the ground", "N s/m"},
+               {"two-blocks", "work of friction", "J/m"}};
+enum { ANSWERS = sizeof answers / sizeof answers[0] };
+
+/* Finds the sides a <= b of a lattice from its numbers of nodes and of rectangles. */
+static void lattice_sides(int nodes, int rectangles, int *a, int *b) {
+  const int sum = nodes - rectangles - 1;
+  const double apart = sqrt(fmax(0, (double)sum * sum - 4.0 * rectangles));
+  *a = (int)round((sum - apart) / 2);
+  *b = (int)round((sum + apart) / 2);
+}
+
+/* ---- one equilibrium ------------------------------------------------------------------------- */
+
+static dls_status own_equilibrium(scene *s, dls_error *error) {
+  dls_fe_scene *fe;
+  dls_fe_scene_data d;
+  const dls_status status = dls_fe_scene_create(&fe, s->name, 0, error);
+  if (status) return status;
+  dls_fe_scene_get(fe, &d);
+  lattice_sides(d.mesh->nodes, d.mesh->triangles / 2, &s->own.ny, &s->own.nx);
+  s->own.tol = scene_tol;
+  s->friction = d.mu[0] > 0;
+  dls_fe_scene_destroy(fe);
+  return DLS_OK;
+}
+
+/* Solves the condensed problem; *value: the resultant of the tangential reactions. */
+static dls_status solve_equilibrium(const dls_fe_scene_data *d, double tol, double limit,
+                                    dls_reduction **reduction, double **r, scene_answer *out,
+                                    dls_error *error) {
+  dls_contact contact;
+  dls_solver_settings settings;
+  dls_info info;
+  dls_solver_settings_init(&settings);
+  settings.limits.tol = tol;
+  settings.limits.cpu_seconds = limit;
+  settings.limits.progress = show_progress;
+  dls_status status = dls_reduction_create(reduction, &d->model, error);
+  if (!status) status = dls_reduction_load(*reduction, d->f, d->g, error);
+  if (!status) status = dls_reduction_contact(*reduction, d->mu, &contact, error);
+  if (status) return status;
+  *r = calloc(2 * (size_t)contact.nc, sizeof **r);
+  if (!*r)
+    return *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"}, DLS_E_MEMORY;
+  status = dls_solve(&contact, &settings, *r, NULL, &info, error);
+  if (status < 0) return status;
+  out->status = status == DLS_TO_ROUNDING ? DLS_OK : status;
+  out->value = 0;
+  for (int c = 0; c < contact.nc; c++)
+    out->value += (*r)[2 * c + 1];
+  out->value = fabs(out->value);
+  return DLS_OK;
+}
+
+static dls_status run_equilibrium(const scene *s, const setting *at, double limit,
+                                  scene_answer *out, dls_error *error) {
+  dls_fe_scene *fe;
+  dls_fe_scene_data d;
+  dls_fe_scene_settings block;
+  dls_reduction *reduction = NULL;
+  double *r = NULL;
+  dls_fe_scene_settings_init(&block);
+  block.nx = at->nx;
+  block.ny = at->ny;
+  block.mu = at->mu;
+  dls_status status = dls_fe_scene_create_with(&fe, s->name, at->weighted, &block, error);
+  if (status) return status;
+  dls_fe_scene_get(fe, &d);
+  status = solve_equilibrium(&d, at->tol, limit, &reduction, &r, out, error);
+  out->part = 1;
+  free(r);
+  dls_reduction_destroy(reduction);
+  dls_fe_scene_destroy(fe);
+  return status;
+}
+
+/* ---- forming --------------------------------------------------------------------------------- */
+
+static dls_status own_forming(scene *s, dls_error *error) {
+  dls_forming *forming;
+  dls_forming_data d;
+  dls_forming_settings settings;
+  dls_forming_settings_init(&settings);
+  const dls_status status = dls_forming_create(&forming, s->name, &settings, error);
+  if (status) return status;
+  dls_forming_get(forming, &d);
+  lattice_sides(d.mesh->nodes, d.mesh->quads, &s->own.nx, &s->own.ny);
+  s->own.steps = d.steps;
+  s->whole = d.whole;
+  s->own.tol = settings.tol;
+  s->friction = 1;
+  dls_forming_destroy(forming);
+  return DLS_OK;
+}
+
+static dls_status run_forming_at(const scene *s, const setting *at, double limit, scene_answer *out,
+                                 dls_error *error) {
+  dls_forming *forming;
+  dls_forming_data d;
+  dls_forming_settings settings;
+  dls_forming_settings_init(&settings);
+  if (!forming_method(at->method ? at->method : "auto", &settings)) return DLS_E_ARGUMENT;
+  settings.nx = at->nx;
+  settings.ny = at->ny;
+  settings.steps = at->steps;
+  settings.mu = at->mu;
+  settings.tol = at->tol;
+  settings.clamped = at->clamped;
+  settings.cpu_seconds = limit;
+  if (at->penalty > 0) {
+    settings.contact = DLS_FORMING_PENALTY;
+    settings.penalty = at->penalty;
+  }
+  dls_status status = dls_forming_create(&forming, s->name, &settings, error);
+  if (status) return status;
+  dls_forming_get(forming, &d);
+  for (int step = 1; step <= d.steps && !status; step++) {
+    status = dls_forming_step(forming, error);
+    dls_forming_get(forming, &d);
+    if (!status && show_step(&d, step)) status = DLS_CANCELLED;
+  }
+  out->status = status;
+  out->value = d.force;
+  out->part = d.travel / d.whole;
+  dls_forming_destroy(forming);
+  return status < 0 ? status : DLS_OK;
+}
+
+/* ---- bodies that move ------------------------------------------------------------------------ */
+
+static dls_status own_moving(scene *s, dls_error *error) {
+  dls_moving *moving;
+  dls_moving_data d;
+  const dls_status status = dls_moving_create(&moving, s->name, NULL, error);
+  if (status) return status;
+  dls_moving_get(moving, &d);
+  s->own = (setting){.tol = d.settings.limits.tol, .steps = d.steps, .mu = -1};
+  if (!d.obstacle_moves) { /* the block on the moving obstacle has one mesh */
+    s->own.nx = d.settings.nx;
+    s->own.ny = d.settings.ny;
+    s->own.upper = d.settings.upper;
+  }
+  s->dynamic = d.dynamic;
+  s->whole = d.steps * d.h;
+  s->friction = d.settings.mu > 0;
+  s->own.mass = d.dynamic ? d.settings.mass : 0;
+  dls_moving_destroy(moving);
+  return DLS_OK;
+}
+
+static dls_status run_moving_at(const scene *s, const setting *at, double limit, scene_answer *out,
+                                dls_error *error) {
+  dls_moving *moving;
+  dls_moving_data d;
+  dls_moving_settings settings;
+  dls_moving_settings_init(&settings);
+  if (!dls_method_find(at->method ? at->method : "auto", &settings.method)) return DLS_E_ARGUMENT;
+  settings.nx = at->nx;
+  settings.ny = at->ny;
+  settings.upper = at->upper;
+  settings.steps = at->steps;
+  settings.mu = at->mu;
+  settings.mass = at->mass;
+  settings.limits.tol = at->tol;
+  settings.limits.cpu_seconds = limit; /* of a contact problem, which may be without a solution */
+  dls_status status = dls_moving_create(&moving, s->name, &settings, error);
+  if (status) return status;
+  const double start = cpu_seconds();
+  dls_moving_get(moving, &d);
+  while (d.step < d.steps && !status) {
+    status = dls_moving_step(moving, error);
+    dls_moving_get(moving, &d);
+    out->drift = fmax(out->drift, d.energy.residual / d.energy.scale);
+    if (!status && show_moving_step(&d)) status = DLS_CANCELLED;
+    if (!status && d.step < d.steps && cpu_seconds() - start > limit) status = DLS_TIME_LIMIT;
+  }
+  out->status = status;
+  out->value = s->dynamic ? d.impulse[0] : fabs(d.energy.friction);
+  out->part = (double)d.step / d.steps;
+  if (d.has_exact) out->gap = d.gap_error;
+  dls_moving_destroy(moving);
+  return status < 0 ? status : DLS_OK;
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+int scene_find(const char *name, scene *s, dls_status *status, dls_error *error) {
+  *s = (scene){.name = name, .answer = "answer", .unit = "", .own = {.mu = -1}};
+  s->kind = kind_of_scene(name);
+  for (int k = 0; k < ANSWERS; k++)
+    if (!strcmp(name, answers[k].name)) {
+      s->answer = answers[k].answer;
+      s->unit = answers[k].unit;
+    }
+  if (s->kind)
+    *status = (s->kind == SCENE_FORMING  ? own_forming
+               : s->kind == SCENE_MOVING ? own_moving
+                                         : own_equilibrium)(s, error);
+  return s->kind != NO_SCENE;
+}
+
+dls_status scene_run(const scene *s, const setting *at, double limit, scene_answer *out,
+                     dls_error *error) {
+  dls_status status = DLS_OK;
+  double least = INFINITY, all = 0;
+  for (int k = 0; k < REPEATS && !status && all < short_run; k++) {
+    const double start = cpu_seconds();
+    *out = (scene_answer){.value = NAN, .gap = NAN};
+    status = (s->kind == SCENE_FORMING  ? run_forming_at
+              : s->kind == SCENE_MOVING ? run_moving_at
+                                        : run_equilibrium)(s, at, limit, out, error);
+    const double seconds = cpu_seconds() - start;
+    least = fmin(least, seconds);
+    all += seconds;
+  }
+  progress_end();
+  out->seconds = least;
+  if (out->status) out->value = NAN;
+  return status;
+}
+
+int setting_is(const setting *a, const setting *b) {
+  return a->tol == b->tol && a->nx == b->nx && a->ny == b->ny && a->upper == b->upper &&
+         a->steps == b->steps && a->mu == b->mu && a->weighted == b->weighted &&
+         a->penalty == b->penalty && a->clamped == b->clamped && a->mass == b->mass;
+}
+
+static int scaled(int count, double factor, int least) {
+  return count ? (int)fmax(least, round(count * factor)) : 0;
+}
+
+setting setting_scaled(const scene *s, int mesh, int steps, int tol) {
+  setting at = s->own;
+  const double size = pow(2, 0.5 * mesh);
+  at.nx = scaled(at.nx, size, 2);
+  at.ny = scaled(at.ny, size, 1);
+  at.upper = scaled(at.upper, size, 2);
+  at.steps = scaled(at.steps, pow(2, steps) * (s->dynamic ? size : 1), 1);
+  at.tol = tol ? pow(10, round(log10(at.tol)) - tol) : at.tol;
+  return at;
+}
+
+const char *setting_variant(const scene *s, int k, setting *at) {
+  const int lumped = s->own.mass == DLS_FE_LUMPED;
+  *at = s->own;
+  switch (k) {
+  case 0:
+    at->mu = 0;
+    return s->friction ? "no friction" : "";
+  case 1:
+    at->weighted = 1;
+    return s->kind == SCENE_AT_ONCE ? "weighted reactions" : "";
+  case 2:
+    at->penalty = 1000;
+    return s->kind == SCENE_FORMING ? "penalty, factor 1000" : "";
+  case 3:
+    at->penalty = 2000;
+    return s->kind == SCENE_FORMING ? "penalty, factor 2000" : "";
+  case 4:
+    at->clamped = 1;
+    return strcmp(s->name, dls_forming_name(0)) ? "" : "bottom clamped"; /* indentation */
+  case 5:
+    at->mass = lumped ? DLS_FE_CONSISTENT : DLS_FE_LUMPED;
+    return !s->own.mass ? "" : lumped ? "consistent mass" : "lumped mass";
+  default:
+    return NULL;
+  }
+}
+
+/* Writes the parts of a setting with the words of an option before each. */
+static const char *write_setting(const scene *s, const setting *at, int options, char *text,
+                                 size_t size) {
+  char mesh[60] = "", upper[40] = "", steps[40] = "", more[80] = "";
+  if (at->nx && at->ny)
+    (void)snprintf(mesh, sizeof mesh, options ? "--mesh=%dx%d " : "%d x %d, ", at->nx, at->ny);
+  else if (at->nx)
+    (void)snprintf(mesh, sizeof mesh, options ? "--mesh=%d " : "%d elements, ", at->nx);
+  if (at->upper)
+    (void)snprintf(upper, sizeof upper, options ? "--upper=%d " : "upper %d, ", at->upper);
+  if (at->steps)
+    (void)snprintf(steps, sizeof steps, options ? "--steps=%d " : "%d steps, ", at->steps);
+  if (options && at->mass != s->own.mass)
+    (void)snprintf(more, sizeof more, " --mass=%s",
+                   at->mass == DLS_FE_LUMPED ? "lumped" : "consistent");
+  (void)snprintf(text, size, "%s%s%s%s%.0e%s%s%s", mesh, upper, steps, options ? "--tol=" : "tol ",
+                 at->tol, options && at->weighted ? " --weighted" : "",
+                 options && at->clamped ? " --clamped" : "", more);
+  return text;
+}
+
+const char *setting_options(const scene *s, const setting *at, char *text, size_t size) {
+  return write_setting(s, at, 1, text, size);
+}
+
+const char *setting_words(const scene *s, const setting *at, char *text, size_t size) {
+  return write_setting(s, at, 0, text, size);
+}

@@ -1,0 +1,199 @@
+/* test_report.c: delassus report: the page, its advice, its text, and mistakes. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+#include "run.h"
+
+enum { text_room = 1100000, most_bytes = 1000000 };
+
+/* Returns the contents of a file of the test's directory, until the next call. */
+static const char *read_page(const char *name) {
+  static char text[text_room];
+  char path[200];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "r");
+  ck_assert_msg(file != NULL, "%s is not there", path);
+  text[fread(text, 1, sizeof text - 1, file)] = '\0';
+  (void)fclose(file);
+  return text;
+}
+
+static double field(const char *name) {
+  char key[64];
+  (void)snprintf(key, sizeof key, "\"%s\": ", name);
+  const char *at = strstr(output, key);
+  ck_assert_msg(at != NULL, "no %s in %s", name, output);
+  return strtod(at + strlen(key), NULL);
+}
+
+/* Every tag is closed in its order; nothing is loaded; no id stands twice. */
+static void expect_page(const char *name) {
+  const char *page = read_page(name);
+  static const char *const loads[] = {"<script", "<link",    "<img",        "<iframe",   "src=",
+                                      "@import", "url(http", "href=\"http", "href='http"};
+  char open[64][16];
+  int depth = 0, ids = 0;
+  ck_assert_int_lt((int)strlen(page), most_bytes);
+  for (size_t k = 0; k < sizeof loads / sizeof loads[0]; k++)
+    ck_assert_msg(strstr(page, loads[k]) == NULL, "%s: %s", name, loads[k]);
+  for (const char *at = page; (at = strchr(at, '<')) != NULL; at++) {
+    char tag[16] = "";
+    const char *end = strchr(at, '>');
+    ck_assert_msg(end != NULL, "%s: %.40s", name, at);
+    (void)sscanf(at + 1, "%15[/a-zA-Z0-9]", tag);
+    if (at[1] == '!' || end[-1] == '/') continue;
+    if (tag[0] == '/') {
+      ck_assert_msg(depth > 0 && strcmp(open[--depth], tag + 1) == 0, "%s: %.60s", name, at);
+    } else {
+      ck_assert_int_lt(depth, 64);
+      (void)snprintf(open[depth++], 16, "%s", tag);
+    }
+  }
+  ck_assert_int_eq(depth, 0);
+  for (const char *at = page; (at = strstr(at, " id='")) != NULL; at++) {
+    char id[40], key[60];
+    ck_assert_int_eq(sscanf(at, " id='%39[^']", id), 1);
+    (void)snprintf(key, sizeof key, " id='%s'", id);
+    ck_assert_msg(strstr(at + 1, key) == NULL, "%s: %s stands twice", name, id);
+    ids++;
+  }
+  ck_assert_msg((ids > 0) == (strstr(page, "<svg") != NULL), "%s: %d ids", name, ids);
+}
+
+/* The resultant of jean-fig3 on a mesh; the weights of the last run are in output. */
+static double force_at(int nx, int ny, const char *tol) {
+  char arguments[200];
+  (void)snprintf(arguments, sizeof arguments, "scene jean-fig3 --mesh=%dx%d --tol=%s --json", nx,
+                 ny, tol);
+  ck_assert_int_eq(run(arguments), 0);
+  return field("resultant_t");
+}
+
+/* The advised setting is within the accuracy of one four times finer, and one that is half as fine
+ * is not. */
+START_TEST(advice_holds) {
+  int nx, ny;
+  char tol[16];
+  ck_assert_int_eq(run("report jean-fig3 --quick --cpu 8 --text -o @/r"), 0);
+  const char *take = strstr(output, "Take ");
+  ck_assert_ptr_nonnull(take);
+  ck_assert_int_eq(sscanf(take, "Take %d x %d, tol %15[^:]", &nx, &ny, tol), 3);
+  ck_assert_ptr_nonnull(strstr(take, "friction force within 1 %"));
+  const double fine = force_at(4 * nx, 4 * ny, "1e-12");
+  ck_assert_double_le(fabs(force_at(nx, ny, tol) / fine - 1), 0.01);
+  ck_assert_double_gt(fabs(force_at(nx / 2, ny / 2, tol) / fine - 1), 0.01);
+}
+END_TEST
+
+static const struct {
+  const char *arguments, *page;
+  int status;
+  const char *says[8];
+} reports[] = {
+    {"report jean-fig3 --cpu 4 --text -o @",
+     "jean-fig3.html",
+     0,
+     {"Take ", "== Error budget ==", "mesh * 2", "weighted reactions", "no friction",
+      "== Speed against accuracy ==", "== Stability ==", "== Contacts =="}},
+    {"report bar-impact --quick --cpu 4 --text -o @",
+     "bar-impact.html",
+     0,
+     {"impulse of the wall within 1 %", "mesh and steps * 2", "lumped mass", "== Motion",
+      "of the closed form", "delassus scene --mesh="}},
+    {"report extrusion --quick --cpu 8 --accuracy 0.1 --text -o @",
+     "extrusion.html",
+     0,
+     {"force on the ram within 10 %", "penalty, factor 1000", "penalty, factor 2000", "mesh * 2"}},
+    {"report data/failures/c28-nearly-singular.txt --cpu 1 --text -o @",
+     "c28-nearly-singular.html",
+     0,
+     {"Take auto, tol 1e-02: reactions within 1 %", "(proved: ", "tolerance 1e-12",
+      "== Stability ==", "2 contacts: "}},
+    {"report data/failures/c05-hyperstatic.txt --quick --text -o @",
+     "c05-hyperstatic.html",
+     0,
+     {"positions within 1 %", "W does not determine the reactions"}},
+    {"report data/failures/c04-squeezed.txt --quick --text -o @",
+     "c04-squeezed.html",
+     1,
+     {"Not solved by auto: no solution exists", "There is no answer."}}};
+enum { report_count = sizeof reports / sizeof reports[0] };
+
+/* The text on stdout has each part, and the page all of its words. */
+START_TEST(page_and_text) {
+  ck_assert_int_eq(run(reports[_i].arguments), reports[_i].status);
+  for (int k = 0; k < 8 && reports[_i].says[k]; k++)
+    ck_assert_msg(strstr(output, reports[_i].says[k]) != NULL, "no '%s' in %s", reports[_i].says[k],
+                  output);
+  expect_page(reports[_i].page);
+}
+END_TEST
+
+/* The matrices of a host code; two names that make one file name. */
+START_TEST(matrices_and_many_names) {
+  char path[100];
+  (void)snprintf(path, sizeof path, "%s/W.txt", directory);
+  FILE *file = fopen(path, "w");
+  ck_assert_ptr_nonnull(file);
+  fputs("2 0\n0 2\n", file);
+  ck_assert_int_eq(fclose(file), 0);
+  (void)snprintf(path, sizeof path, "%s/q.txt", directory);
+  file = fopen(path, "w");
+  ck_assert_ptr_nonnull(file);
+  fputs("-1\n0.1\n", file);
+  ck_assert_int_eq(fclose(file), 0);
+  if (WITH_HDF5) {
+    ck_assert_int_eq(run("report --W=@/W.txt --q=@/q.txt --mu=0.5 --dim=2 --quick -o @/m"), 0);
+    expect_page("m/W.html");
+  }
+  ck_assert_int_eq(run("report data/failures/c01-three-solutions.txt --quick -o @/n "
+                       "./data/failures/c01-three-solutions.txt"),
+                   0);
+  expect_page("n/c01-three-solutions.html");
+  expect_page("n/c01-three-solutions-2.html");
+}
+END_TEST
+
+/* Without gnuplot the page has tables only, and a line says what to install. */
+START_TEST(without_gnuplot) {
+  char path[4096];
+  const char *before = getenv("PATH");
+  (void)snprintf(path, sizeof path, "%s", before);
+  ck_assert_int_eq(setenv("PATH", "/nowhere", 1), 0);
+  const int status = run("report jean-fig3 --cpu 1 -o @");
+  ck_assert_int_eq(setenv("PATH", path, 1), 0);
+  ck_assert_int_eq(status, 0);
+  ck_assert_ptr_nonnull(strstr(output, "install gnuplot"));
+  const char *page = read_page("jean-fig3.html");
+  ck_assert_ptr_null(strstr(page, "<svg"));
+  ck_assert_ptr_nonnull(strstr(page, "install gnuplot"));
+  ck_assert_ptr_nonnull(strstr(page, "mu</th><th>method</th>"));
+}
+END_TEST
+
+static const struct {
+  const char *typed, *answer;
+} mistakes[] = {{"report", "too few or too many names"},
+                {"report jean-fig -o @/r", "did you mean jean-fig3 or jean-fig4?"},
+                {"report nowhere.hdf5 -o @/r", "nowhere.hdf5"},
+                {"report jean-fig3 --accuracy 2", "--accuracy: '2' is not between 0 and 1"},
+                {"report jean-fig3 --cpu much", "--cpu: 'much' is not a number >= 0"},
+                {"report --W=@/no.txt --q=@/no.txt --mu=1 -o @/r", "no.txt"}};
+enum { mistake_count = sizeof mistakes / sizeof mistakes[0] };
+
+START_TEST(mistakes_are_named) {
+  ck_assert_int_eq(run(mistakes[_i].typed), 2);
+  ck_assert_msg(strstr(output, mistakes[_i].answer) != NULL, "%s", output);
+}
+END_TEST
+
+int main(void) {
+  return RUN("report", make_directory, remove_directory, ONCE(advice_holds),
+             EACH(page_and_text, 0, report_count), ONCE(matrices_and_many_names),
+             ONCE(without_gnuplot), EACH(mistakes_are_named, 0, mistake_count));
+}
