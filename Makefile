@@ -502,7 +502,7 @@ $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(FILES) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c messages.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(FILES) $(A)
-$(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/reduction_boxes.c tests/shared/rigid.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $(A)
