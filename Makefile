@@ -509,7 +509,7 @@ $(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c folder.c picture.c quote.c messages.c)) $(FE) $(FILES) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c) $(FUZZ_CLI) $(FE) $(FILES) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/dynamics: $(call bench_obj,dynamics) $(A)
