@@ -239,7 +239,7 @@ inline answer solve(const dls_contact &problem, settings s = settings(),
 /* A workspace for problems of dimension d with at most nc candidates, for many solves. */
 class solver {
 public:
-  solver(int d, int nc, const settings &s = settings()) : d(d) {
+  solver(int d, int nc, const settings &s = settings()) : dimension(d) {
     dls_solver *out = nullptr;
     call([&](dls_error *e) { return dls_solver_create(&out, d, nc, &s, e); });
     work.reset(out);
@@ -257,7 +257,7 @@ public:
   }
   /* Returns the start of the next solve, whose contact c is from[c] of the last one (-1: new). */
   std::vector<double> map(const std::vector<int> &from) {
-    std::vector<double> start(detail::size(d, static_cast<int>(from.size())));
+    std::vector<double> start(detail::size(dimension, static_cast<int>(from.size())));
     call([&](dls_error *e) {
       return dls_solver_map(work.get(), static_cast<int>(from.size()), from.data(), start.data(),
                             e);
@@ -276,7 +276,7 @@ public:
 
 private:
   detail::held<dls_solver, dls_solver_destroy> work;
-  int d;
+  int dimension;
 };
 
 /* ---- reduction ------------------------------------------------------------------------------- */
