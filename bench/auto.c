@@ -29,7 +29,7 @@
 #include <string.h>
 
 #include "auto_price.h"
-#include "cli/cli.h"
+#include "cli/matrices.h"
 #include "common.h"
 #include "solvers_scenes.h"
 
@@ -122,7 +122,7 @@ static dls_contact plane(int n) {
 /* Returns 1 if the problem is there, 0 after a message. */
 static int named_problem(const char *name, problem *p) {
   int n;
-  dls_error error = {0};
+  const source from = {.matrices = {.on = DLS_ON_W}};
   memset(p, 0, sizeof *p);
   if (sscanf(name, "contact-%d", &n) == 1) {
     p->contact = stamp(n);
@@ -132,8 +132,7 @@ static int named_problem(const char *name, problem *p) {
     p->contact = plane(n);
     return 1;
   }
-  if (!problem_load(name, 0, DLS_ON_W, p, &error)) return 1;
-  return complain_of(name, &error), 0;
+  return problem_open(name, &from, p);
 }
 
 static void drop_problem(problem *p) {
@@ -353,7 +352,7 @@ int main(int argc, char **argv) {
     first = 3;
   }
   const int count = argc - first, price = count > 0 && !strcmp(argv[first], "--price");
-  if (count < 1 || count > most_files || (price && count > 2))
+  if (count < 1 || count > most_files || (price ? count > 2 : argv[first][0] == '-'))
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
                     "--unique NAME... | --total [SEED] | --nu NU SEED");
   FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)

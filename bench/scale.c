@@ -3,11 +3,14 @@
  * from 300 to 100,000 contacts, and two elastic ones up to 2000; shows how time grows.
  *
  *   scale [--kind KIND] [--sizes N,N,..] [--tol TOL] [--seed S] [--seeds COUNT] [--limit SECONDS]
- *         [--no-peer] [--only METHOD,..] [--out DIR]
+ *         [--mu MU] [--bodies] [--no-peer] [--only METHOD,..] [--out DIR]
  *
- *   --kind   one of tests/shared/rigid.h or scale_elastic.h, or the beginning of its name; all
- *   --seeds  so many seeds: S, S + 2, ..
- *   --only   these of delassus: auto, nlgs, momentum, anderson, admm, augmented
+ *   --kind    one of tests/shared/rigid.h or scale_elastic.h, or the beginning of its name; all. In
+ *             full also sizes2-flow, sizes3-flow and those of regret_kinds.h
+ *   --seeds   so many seeds: S, S + 2, ..
+ *   --mu      friction; .5
+ *   --bodies  kinds of rigid.h as bodies, W = H^T H, not by blocks; without the peer
+ *   --only    these of delassus: auto, nlgs, momentum, anderson, admm, augmented
  *
  * Writes scale.md and, for scale.gp, scale.csv: kind, contacts, CPU of auto, of the best other
  * method, of the peer; empty for none.
@@ -21,17 +24,16 @@
 #include <string.h>
 
 #include "common.h"
-#include "rigid.h"
-#include "scale_elastic.h"
+#include "regret_kinds.h"
 #include "solvers.h"
 
 enum { most_sizes = 8 };
 
 typedef struct plan {
   const char *kind;
-  int sizes[most_sizes], size_count, seeds, no_peer;
+  int sizes[most_sizes], size_count, seeds, no_peer, bodies;
   unsigned long seed;
-  double tol, limit;
+  double tol, limit, mu;
   const char *only; /* NULL: all */
   FILE *page, *csv;
 } plan;
@@ -162,36 +164,52 @@ static double run_problem(const plan *p, const char *kind, const dls_contact *pr
   return automatic;
 }
 
-/* of_two: 1 for a kind of two elastic bodies, in sizes that a dense W has. */
-static void run_kind(const plan *p, const char *kind, int of_two) {
+/* Where the generator of a kind is: rigid.h, scale_elastic.h, or unknown: rigid.h or
+ * regret_kinds.h. */
+typedef enum source { RIGID, ELASTIC, OTHER } source;
+
+/* Makes a problem. Returns -1 for an unknown kind or without memory. */
+static int create_problem(const plan *p, regret_problem *a, const char *kind, source of, int size,
+                          unsigned long seed) {
+  *a = (regret_problem){0};
+  if (of == ELASTIC) {
+    const int bad = elastic_create(&a->pair, kind, size, p->mu, seed);
+    a->contact = a->pair.contact;
+    return bad;
+  }
+  const int bad = rigid_create(&a->bodies, kind, size, p->mu, seed);
+  a->contact = p->bodies ? a->bodies.factored : a->bodies.contact;
+  return bad && of == OTHER ? regret_create(a, kind, size, p->mu, seed) : bad;
+}
+
+static void run_kind(const plan *p, const char *kind, source of) {
   double sum[5] = {0}; /* 1, x, y, x x, x y */
   for (int k = 0; k < p->size_count; k++)
-    for (int s = 0; s < p->seeds && !(of_two && p->sizes[k] > elastic_most); s++) {
-      rigid a = {0};
-      elastic b = {0};
+    for (int s = 0; s < p->seeds && !(of == ELASTIC && p->sizes[k] > elastic_most); s++) {
+      regret_problem a;
       const unsigned long seed = p->seed + 2 * (unsigned long)s;
-      if (of_two ? elastic_create(&b, kind, p->sizes[k], 0.5, seed)
-                 : rigid_create(&a, kind, p->sizes[k], 0.5, seed)) {
-        fprintf(stderr, "%s: out of memory\n", kind);
+      if (create_problem(p, &a, kind, of, p->sizes[k], seed)) {
+        fprintf(stderr, "%s: unknown, or out of memory\n", kind);
         continue;
       }
-      const dls_contact *problem = of_two ? &b.contact : &a.contact;
-      const double x = log(problem->nc), y = log(run_problem(p, kind, problem, seed));
+      const double x = log(a.contact.nc), y = log(run_problem(p, kind, &a.contact, seed));
       const double terms[] = {1, x, y, x * x, x * y};
       for (int t = 0; t < 5 && isfinite(y); t++)
         sum[t] += terms[t];
-      rigid_free(&a);
-      elastic_free(&b);
+      regret_free(&a);
     }
   const double slope = (sum[0] * sum[4] - sum[1] * sum[2]) / (sum[0] * sum[3] - sum[1] * sum[1]);
-  if (p->size_count > 1) bench_print(p->page, "| %s | | time ~ n^%.2f |\n", kind, slope);
+  if (p->size_count > 1 && isfinite(slope))
+    bench_print(p->page, "| %s | | time ~ n^%.2f |\n", kind, slope);
 }
 
 static int read_options(int argc, char **argv, plan *p, const char **out) {
   for (int k = 1; k < argc; k++) {
     const char *value = k + 1 < argc ? argv[k + 1] : "";
-    if (strcmp(argv[k], "--no-peer") == 0) {
+    const int bodies = strcmp(argv[k], "--bodies") == 0;
+    if (bodies || strcmp(argv[k], "--no-peer") == 0) {
       p->no_peer = 1;
+      p->bodies |= bodies;
       continue;
     }
     if (strcmp(argv[k], "--kind") == 0)
@@ -202,6 +220,8 @@ static int read_options(int argc, char **argv, plan *p, const char **out) {
       p->seed = strtoul(value, NULL, 10);
     else if (strcmp(argv[k], "--seeds") == 0)
       p->seeds = (int)strtol(value, NULL, 10);
+    else if (strcmp(argv[k], "--mu") == 0)
+      p->mu = strtod(value, NULL);
     else if (strcmp(argv[k], "--limit") == 0)
       p->limit = strtod(value, NULL);
     else if (strcmp(argv[k], "--out") == 0)
@@ -228,7 +248,8 @@ int main(int argc, char **argv) {
             .seeds = 1,
             .seed = 2,
             .tol = 1e-4,
-            .limit = 60};
+            .limit = 60,
+            .mu = 0.5};
   const char *out = "build";
   if (read_options(argc, argv, &p, &out)) return 2;
   p.page = bench_page(out, "scale", "Rigid and elastic bodies: time against size", argc, argv);
@@ -245,9 +266,13 @@ int main(int argc, char **argv) {
   for (int k = 0; k < own_count + 3; k++)
     bench_print(p.page, "---|");
   bench_print(p.page, "\n");
+  int known = 0;
   for (int k = 0; rigid_kind(k); k++)
-    if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, rigid_kind(k), 0);
+    if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0)
+      run_kind(&p, rigid_kind(k), RIGID), known = 1;
   for (int k = 0; elastic_kind(k); k++)
-    if (strncmp(elastic_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, elastic_kind(k), 1);
+    if (strncmp(elastic_kind(k), p.kind, strlen(p.kind)) == 0)
+      run_kind(&p, elastic_kind(k), ELASTIC), known = 1;
+  if (!known) run_kind(&p, p.kind, OTHER);
   return fclose(p.page) + fclose(p.csv) ? 1 : 0;
 }

@@ -133,7 +133,7 @@ enum { most_settling = 6000, most_near = 27 };
  * used of each 3. */
 typedef struct settling {
   int d, count, cells[3]; /* cells: of a grid, one largest diameter wide */
-  double side, cell;
+  double side, cell, gravity;
   double *x, *v, *f, *radius; /* f: forces, overlap times 1 */
   int *first, *next;          /* of each cell a list; -1: end */
 } settling;
@@ -197,7 +197,6 @@ static void settling_press(void *data, int a, int b, const double *n, double ove
 
 /* Fast inertial relaxation (Bitzek et al. 2006) until forces are 1e-9 of a unit overlap's. */
 static void settling_run(settling *s) {
-  static const double gravity = 2e-4;
   const int n = 3 * s->count;
   double step = 0.3, mix = 0.1;
   for (int k = 0, downhill = 0; k < most_settling; k++) {
@@ -205,7 +204,7 @@ static void settling_run(settling *s) {
     memset(s->f, 0, (size_t)n * sizeof *s->f);
     for (int a = 0; a < s->count; a++) {
       const double R = s->radius[a], *x = s->x + 3 * a;
-      s->f[3 * a + s->d - 1] -= gravity * pow(R, s->d);
+      s->f[3 * a + s->d - 1] -= s->gravity * pow(R, s->d);
       for (int i = 0; i < s->d; i++) {
         s->f[3 * a + i] += fmax(0, R - x[i]);
         if (i < s->d - 1) s->f[3 * a + i] -= fmax(0, x[i] + R - s->side);
@@ -249,8 +248,9 @@ static void settled_touch(void *data, int a, int b, const double *n, double over
   touch_spheres(of->h, a, b, of->radius, of->gap);
 }
 
-/* mixed: densities from 1/32 to 32 in place of 1. */
-static void make_settled(heap *h, int d, int candidates, int flow, int mixed) {
+/* mixed: densities from 1/32 to 32 in place of 1. sizes: radii from 1 to 10 in place of .7 to 1.3,
+ * uniform in their logarithm. */
+static void make_settled(heap *h, int d, int candidates, int flow, int mixed, int sizes) {
   static const double spread = 0.3, near = 0.01;
   settling s = {.d = d, .count = (int)fmax(4, candidates / (d == 2 ? 2.05 : 2.9))};
   const size_t n = (size_t)s.count;
@@ -263,11 +263,12 @@ static void make_settled(heap *h, int d, int candidates, int flow, int mixed) {
   h->bad |= !s.x || !s.v || !s.f || !s.radius || !s.next;
   double volume = 0;
   for (int a = 0; a < s.count && !h->bad; a++) {
-    s.radius[a] = 1 + spread * heap_random(h);
+    s.radius[a] = sizes ? pow(10, (1 + heap_random(h)) / 2) : 1 + spread * heap_random(h);
     volume += d == 2 ? 3.1416 * s.radius[a] * s.radius[a] : 4.1888 * pow(s.radius[a], 3);
   }
   s.side = d == 2 ? sqrt(volume / 0.83) : cbrt(volume / 0.63);
-  s.cell = 2 * (1 + spread);
+  s.cell = 2 * (sizes ? 10 : 1 + spread);
+  s.gravity = sizes ? 2e-4 / (volume / s.count) : 2e-4;
   for (int i = 0; i < 3; i++)
     s.cells[i] = i < d ? (int)fmax(1, 1.5 * s.side / s.cell) : 1;
   s.first = calloc((size_t)s.cells[0] * (size_t)s.cells[1] * (size_t)s.cells[2], sizeof *s.first);
@@ -599,15 +600,15 @@ void rigid_free(rigid *a) {
   *a = (rigid){0};
 }
 
-static const char *const kinds[] = {"packing-rest", "packing-flow",  "wall-rest",   "wall-pushed",
-                                    "rubble-rest",  "rubble-pushed", "wall3-rest",  "wall3-pushed",
-                                    "chain",        "chain3",        "arch",        "arch3",
-                                    "tower2",       "tower",         "discs-rest",  "discs-flow",
-                                    "balls-rest",   "balls-flow",    "mixed2-rest", "mixed3-rest"};
-enum { kind_count = sizeof kinds / sizeof kinds[0] };
+static const char *const kinds[] = {
+    "packing-rest", "packing-flow", "wall-rest",   "wall-pushed", "rubble-rest", "rubble-pushed",
+    "wall3-rest",   "wall3-pushed", "chain",       "chain3",      "arch",        "arch3",
+    "tower2",       "tower",        "discs-rest",  "discs-flow",  "balls-rest",  "balls-flow",
+    "mixed2-rest",  "mixed3-rest",  "sizes2-flow", "sizes3-flow"};
+enum { kind_count = sizeof kinds / sizeof kinds[0], listed_count = kind_count - 2 };
 
 const char *rigid_kind(int index) {
-  return index >= 0 && index < kind_count ? kinds[index] : NULL;
+  return index >= 0 && index < listed_count ? kinds[index] : NULL;
 }
 
 int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed) {
@@ -624,8 +625,10 @@ int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t
   if (k == 10 || k == 11) make_arch(&h, k - 8, candidates);
   if (k == 12) make_pile(&h, candidates);
   if (k == 13) make_tower(&h, candidates);
-  if (k >= 14 && k < 18) make_settled(&h, k < 16 ? 2 : 3, candidates, k % 2, 0);
-  if (k >= 18 && k < kind_count) make_settled(&h, k - 16, candidates, 0, 1);
+  if (k >= 14 && k < 18) make_settled(&h, k < 16 ? 2 : 3, candidates, k % 2, 0, 0);
+  if (k >= 18 && k < listed_count) make_settled(&h, k - 16, candidates, 0, 1, 0);
+  if (k >= listed_count && k < kind_count)
+    make_settled(&h, k - listed_count + 2, candidates, 1, 0, 1);
   int bad = h.bad || h.places == 0 ? -1 : 0;
   if (!bad) bad = rigid_fill(a, &h, mu);
   if (bad) rigid_free(a);

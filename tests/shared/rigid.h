@@ -39,11 +39,12 @@ typedef struct rigid {
  *                                in a box; under one step of gravity, or with random velocities
  *                                besides
  *   balls-rest, balls-flow       the same in 3D
- *   mixed2-rest, mixed3-rest     discs-rest, balls-rest with densities from 1/32 to 32 */
+ *   mixed2-rest, mixed3-rest     discs-rest, balls-rest with densities from 1/32 to 32
+ *   sizes2-flow, sizes3-flow     discs-flow, balls-flow with radii from 1 to 10 */
 int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed);
 void rigid_free(rigid *a);
 
-/* The kinds above, in that order; NULL past the last. */
+/* The kinds above but for the sizes, in that order; NULL past the last. */
 const char *rigid_kind(int index);
 
 #endif
