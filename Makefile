@@ -168,7 +168,7 @@ help:
 	@echo 'make bench-regret    auto beside the best of its methods and Siconos on generated problems; BENCH=options'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
-	@echo 'make bench-lanes     a sweep over groups of eight candidates beside one by one'
+	@echo 'make bench-lanes     a sweep over groups of eight contacts beside one by one'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-dynamics  columns of spheres that collapse, each step warm beside cold; BENCH=--large'
@@ -177,6 +177,8 @@ help:
 	@echo 'make bench-derive    cost of derivatives over that of the answer'
 	@echo 'make bench-papers    the open questions of both papers, a picture each'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
+	@echo 'make bench-report    the setting that delassus report advises beside a finer reference'
+	@echo 'make bench-all       all of these; hours on an idle machine; FCLIB=DIR'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
 
@@ -580,6 +582,18 @@ bench-papers: $(BUILD)/bench/papers demo
 
 bench-report: $(BUILD)/bench/report
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/report --out $(RESULTS) $(BENCH)
+
+# every page that a program writes, one after the other on this machine, which should be idle; hours
+.PHONY: bench-all
+BENCH_ALL = auto blocks derive dynamics global least lemke motion papers prove report scale steps trust
+bench-all:
+	@for name in $(BENCH_ALL); do $(MAKE) --no-print-directory bench-$$name || exit 1; done
+	@$(MAKE) --no-print-directory bench-auto BENCH=--price
+	@$(MAKE) --no-print-directory bench-bodies BENCH='--rounds 7'
+	@$(MAKE) --no-print-directory bench-lanes BENCH='--rounds 4'
+	@$(MAKE) --no-print-directory bench-reduction BENCH=--full
+	@$(MAKE) --no-print-directory bench-regret BENCH='--seed 2'
+	@$(MAKE) --no-print-directory bench-solvers BENCH='--dir $(FCLIB)'
 
 # ---- demo, install ------------------------------------------------------------------------------
 
