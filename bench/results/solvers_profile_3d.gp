@@ -1,17 +1,16 @@
 set datafile missing 'NaN'
 set key off
 set grid lc rgb '#d8d8d8'
-set style textbox opaque noborder margins 0.2,0.1
 set encoding utf8
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1800,1100 font ',13' }
   if (type eq 'svg') { set terminal svg size 1800,1100 font ',13' background 'white' }
   set output 'solvers_profile_3d.'.type
   set multiplot title "59 scenes in 3D: delassus, and dashed Siconos" font ',17' noenhanced
-  set lmargin at screen 0.0500
-  set rmargin at screen 0.3153
-  set bmargin at screen 0.5750
-  set tmargin at screen 0.9200
+  set lmargin at screen 0.05
+  set rmargin at screen 0.31533
+  set bmargin at screen 0.575
+  set tmargin at screen 0.92
   unset label
   unset arrow
   unset title
@@ -47,7 +46,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.1906,0.4850 to screen 0.2106,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
   set label "Siconos NSN".'  57/59' at screen 0.2156,0.4850 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4690 to screen 0.2106,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  54/59' at screen 0.2156,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  52/59' at screen 0.2156,0.4690 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4530 to screen 0.2106,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  49/51' at screen 0.2156,0.4530 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4370 to screen 0.2106,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
@@ -67,10 +66,10 @@ do for [type in 'png svg'] {
        'solvers_profile_3d.dat' index 40 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
        'solvers_profile_3d.dat' index 44 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
        'solvers_profile_3d.dat' index 0 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
-  set lmargin at screen 0.0500
-  set rmargin at screen 0.3153
-  set bmargin at screen 0.0750
-  set tmargin at screen 0.3600
+  set lmargin at screen 0.05
+  set rmargin at screen 0.31533
+  set bmargin at screen 0.075
+  set tmargin at screen 0.36
   unset label
   unset arrow
   unset title
@@ -83,7 +82,7 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel 'CPU / fastest' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0033' 15, '0.049' 29, '0.59' 43, '4' 57)
+  set xtics ('1.7e-05' 1, '0.0039' 15, '0.068' 29, '0.76' 43, '6.5' 57)
   set label 'diamonds: auto; crosses: not solved; rings: not decided; '."measured CPU of this machine; rings: the limit of CPU came first" at screen 0.04,0.012 left font ',12' noenhanced
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 5 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -100,14 +99,15 @@ do for [type in 'png svg'] {
       'solvers_profile_3d.dat' index 37 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
       'solvers_profile_3d.dat' index 39 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 4 lc rgb '#ff5a7a', \
       'solvers_profile_3d.dat' index 41 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 42 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
       'solvers_profile_3d.dat' index 43 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 5 lc rgb '#a0522d', \
       'solvers_profile_3d.dat' index 45 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 46 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 1 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
-  set lmargin at screen 0.3833
-  set rmargin at screen 0.6487
-  set bmargin at screen 0.5750
-  set tmargin at screen 0.9200
+  set lmargin at screen 0.38333
+  set rmargin at screen 0.64867
+  set bmargin at screen 0.575
+  set tmargin at screen 0.92
   unset label
   unset arrow
   unset title
@@ -131,7 +131,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
   set label "nlgs".'  56/59' at screen 0.4083,0.4690 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label "admm".'  59/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set label "admm".'  57/59' at screen 0.4083,0.4530 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  59/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
@@ -139,11 +139,11 @@ do for [type in 'png svg'] {
   set arrow from screen 0.5240,0.5170 to screen 0.5440,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
   set label "best of Siconos".'  59/59' at screen 0.5490,0.5170 left font ',10' noenhanced
   set arrow from screen 0.5240,0.5010 to screen 0.5440,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label "Siconos NSGS".'  54/59' at screen 0.5490,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  53/59' at screen 0.5490,0.5010 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4850 to screen 0.5440,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
   set label "Siconos NSN".'  55/59' at screen 0.5490,0.4850 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4690 to screen 0.5440,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  53/59' at screen 0.5490,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  50/59' at screen 0.5490,0.4690 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4530 to screen 0.5440,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  49/51' at screen 0.5490,0.4530 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4370 to screen 0.5440,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
@@ -163,10 +163,10 @@ do for [type in 'png svg'] {
        'solvers_profile_3d.dat' index 96 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
        'solvers_profile_3d.dat' index 100 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
        'solvers_profile_3d.dat' index 56 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
-  set lmargin at screen 0.3833
-  set rmargin at screen 0.6487
-  set bmargin at screen 0.0750
-  set tmargin at screen 0.3600
+  set lmargin at screen 0.38333
+  set rmargin at screen 0.64867
+  set bmargin at screen 0.075
+  set tmargin at screen 0.36
   unset label
   unset arrow
   unset title
@@ -179,7 +179,7 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0034' 15, '0.057' 29, '1' 43, '6.4' 57)
+  set xtics ('1.7e-05' 1, '0.0039' 15, '0.076' 29, '0.97' 43, '9.5' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 62 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -187,6 +187,7 @@ do for [type in 'png svg'] {
       'solvers_profile_3d.dat' index 69 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 71 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 73 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 75 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#009e73', \
       'solvers_profile_3d.dat' index 77 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_3d.dat' index 81 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
       'solvers_profile_3d.dat' index 85 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
@@ -199,10 +200,10 @@ do for [type in 'png svg'] {
       'solvers_profile_3d.dat' index 101 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 102 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 57 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
-  set lmargin at screen 0.7167
-  set rmargin at screen 0.9820
-  set bmargin at screen 0.5750
-  set tmargin at screen 0.9200
+  set lmargin at screen 0.71667
+  set rmargin at screen 0.982
+  set bmargin at screen 0.575
+  set tmargin at screen 0.92
   unset label
   unset arrow
   unset title
@@ -226,19 +227,19 @@ do for [type in 'png svg'] {
   set arrow from screen 0.7167,0.4690 to screen 0.7367,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
   set label "nlgs".'  55/59' at screen 0.7417,0.4690 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4530 to screen 0.7367,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label "admm".'  58/59' at screen 0.7417,0.4530 left font ',10' noenhanced
+  set label "admm".'  57/59' at screen 0.7417,0.4530 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4370 to screen 0.7367,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  59/59' at screen 0.7417,0.4370 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
   set label "lemke".'  39/39' at screen 0.7417,0.4210 left font ',10' noenhanced
   set arrow from screen 0.8573,0.5170 to screen 0.8773,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label "best of Siconos".'  59/59' at screen 0.8823,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  57/59' at screen 0.8823,0.5170 left font ',10' noenhanced
   set arrow from screen 0.8573,0.5010 to screen 0.8773,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
-  set label "Siconos NSGS".'  52/59' at screen 0.8823,0.5010 left font ',10' noenhanced
+  set label "Siconos NSGS".'  51/59' at screen 0.8823,0.5010 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4850 to screen 0.8773,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  42/59' at screen 0.8823,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  39/59' at screen 0.8823,0.4850 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4690 to screen 0.8773,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  45/59' at screen 0.8823,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  40/59' at screen 0.8823,0.4690 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4530 to screen 0.8773,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  31/51' at screen 0.8823,0.4530 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4370 to screen 0.8773,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
@@ -258,10 +259,10 @@ do for [type in 'png svg'] {
        'solvers_profile_3d.dat' index 152 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
        'solvers_profile_3d.dat' index 156 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
        'solvers_profile_3d.dat' index 112 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
-  set lmargin at screen 0.7167
-  set rmargin at screen 0.9820
-  set bmargin at screen 0.0750
-  set tmargin at screen 0.3600
+  set lmargin at screen 0.71667
+  set rmargin at screen 0.982
+  set bmargin at screen 0.075
+  set tmargin at screen 0.36
   unset label
   unset arrow
   unset title
@@ -274,7 +275,7 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0033' 15, '0.056' 29, '1' 43, '9.8' 57)
+  set xtics ('1.7e-05' 1, '0.0039' 15, '0.086' 29, '1.1' 43, '14' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 117 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 118 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -286,6 +287,7 @@ do for [type in 'png svg'] {
       'solvers_profile_3d.dat' index 133 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_3d.dat' index 137 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
       'solvers_profile_3d.dat' index 141 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 142 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#b00020', \
       'solvers_profile_3d.dat' index 145 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
       'solvers_profile_3d.dat' index 146 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
       'solvers_profile_3d.dat' index 147 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#7f0000', \
@@ -299,6 +301,7 @@ do for [type in 'png svg'] {
       'solvers_profile_3d.dat' index 158 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 159 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 2 lc rgb '#c71585', \
       'solvers_profile_3d.dat' index 113 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
+
   unset multiplot
   unset output
 }
