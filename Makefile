@@ -176,6 +176,7 @@ help:
 	@echo 'make bench-least     cost of the least reactions; FCLIB=DIR'
 	@echo 'make bench-derive    cost of derivatives over that of the answer'
 	@echo 'make bench-papers    the open questions of both papers, a picture each'
+	@echo 'make bench-hard      where methods fail: hard problems in 3D; BENCH=--page'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make bench-report    the setting that delassus report advises beside a finer reference'
 	@echo 'make bench-all       all of these; hours on an idle machine; FCLIB=DIR'
@@ -496,7 +497,7 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
+$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,hard) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
@@ -519,6 +520,7 @@ $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solver
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/hard: $(call bench_obj,hard) $(call obj,$(addprefix bench/,solvers_scenes.c regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
@@ -573,10 +575,17 @@ bench-derive: $(BUILD)/bench/derive
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/derive --out $(RESULTS)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
-.PHONY: bench-papers
+# pictures of benchmarks that the guide shows; of a trial they stay with its page
+GUIDE_PICTURES = $(if $(filter bench/results,$(RESULTS)),docs/pictures,$(RESULTS))
+.PHONY: bench-papers bench-hard
+# BENCH=--page: the page and the picture alone
+bench-hard: $(BUILD)/bench/hard
+	$(if $(BENCH),,for part in 0 1 2 3 4 5 6 7 8; do OPENBLAS_NUM_THREADS=1 $< --part $$part --out $(RESULTS) || exit 1; done)
+	OPENBLAS_NUM_THREADS=1 $< --page --out $(RESULTS)
+	gnuplot -e "dir='$(RESULTS)/'; picture='$(GUIDE_PICTURES)/hard.png'" bench/hard.gp
 bench-papers: $(BUILD)/bench/papers demo
 	cp $(BUILD)/demo/reactions.csv $(RESULTS)/papers_reactions.csv
-	cp $(BUILD)/demo/reactions.png $(RESULTS)/papers_reactions.png
+	cp $(BUILD)/demo/reactions.png $(GUIDE_PICTURES)/papers-reactions.png
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/papers --out $(RESULTS) $(BENCH)
 	gnuplot -e "dir='$(RESULTS)/'" bench/papers.gp
 

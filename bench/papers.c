@@ -98,6 +98,7 @@ static const struct {
 } questions[] = {
     {"reactions", papers_reactions}, {"refinement", papers_refinement}, {"aitken", papers_aitken},
     {"penalty", papers_penalty},     {"lemke", papers_lemke},           {"flow", papers_flow},
+    {"weighting", papers_weighting},
 };
 
 int main(int argc, char **argv) {

@@ -184,3 +184,38 @@ plot file using 2:(is('indentation') * $3 / dent) with points pt 7 lc rgb red ti
      '' using 2:(is('indentation') * $5 / dent) with points pt 6 lc rgb blue title '(6), indentation', \
      '' using 2:(is('extrusion') * $5 / squeeze) with points pt 4 lc rgb blue title '(6), extrusion'
 unset multiplot
+unset logscale
+
+# ---- negative entries of P
+set output dir.'papers_weighting.png'
+set multiplot layout 1,2
+file = dir.'papers_line.csv'
+set format '%g'
+set key bottom right
+set xlabel 'x, width of the block 4'
+set ylabel 'density of reaction over the pressure on top'
+set xrange [0:4]; set yrange [-1:2.5]
+set title 'Normal density, 16 contacts, friction 0.2'
+kind(s, r) = when(strcol(1) eq s && strcol(2) eq r)
+plot file using 3:(kind('linear edges', 'concentrated') * $4) with points pt 4 lc rgb blue title 'linear, concentrated', \
+     '' using 3:(kind('linear edges', 'weighted') * $4) with points pt 6 lc rgb red title 'linear, weighted', \
+     '' using 3:(kind('quadratic edges', 'concentrated') * $4) with points pt 5 lc rgb blue title 'quadratic, concentrated', \
+     '' using 3:(kind('quadratic edges', 'weighted') * $4) with points pt 7 lc rgb red title 'quadratic, weighted: P has entries < 0'
+file = dir.'papers_weighting.csv'
+set logscale xy
+set format y '10^{%T}'
+set xtics (0.0625, 0.125, 0.25, 0.333, 0.667)
+set xlabel 'distance of nodes, width of the block 4'
+set ylabel 'error of the density at 2 to 3, relative'
+set xrange [0.05:0.9]; set yrange [3e-8:1]
+set title 'Error beside a mesh of at least 4 times as many nodes'
+plot file using 3:(kind('linear edges', 'concentrated') * $4) with points pt 4 lc rgb blue title 'linear, concentrated', \
+     '' using 3:(kind('linear edges', 'weighted') * $4) with points pt 6 lc rgb red title 'linear, weighted', \
+     '' using 3:(kind('quadratic edges', 'concentrated') * $4) with points pt 5 lc rgb blue title 'quadratic, concentrated', \
+     '' using 3:(kind('quadratic edges', 'weighted') * $4) with points pt 7 lc rgb red title 'quadratic, weighted', \
+     '' using 3:(kind('four-node faces', 'concentrated') * $4) with points pt 8 lc rgb blue title '3D four-node, concentrated', \
+     '' using 3:(kind('four-node faces', 'weighted') * $4) with points pt 8 lc rgb red title '3D four-node, weighted', \
+     '' using 3:(kind('nine-node faces', 'concentrated') * $4) with points pt 9 lc rgb blue title '3D nine-node, concentrated', \
+     '' using 3:(kind('nine-node faces', 'weighted') * $4) with points pt 9 lc rgb red title '3D nine-node, weighted', \
+     0.05 * x**2 with lines ls 1 title 'model: h^2'
+unset multiplot

@@ -43,5 +43,6 @@ int papers_aitken(FILE *page, const char *out);
 int papers_penalty(FILE *page, const char *out);
 int papers_lemke(FILE *page, const char *out);
 int papers_flow(FILE *page, const char *out);
+int papers_weighting(FILE *page, const char *out);
 
 #endif

@@ -72,6 +72,7 @@ int papers_reactions(FILE *page, const char *out) {
   bench_print(page,
               "\n`make demo` computes it; penalty is one augmentation, and jean is the sweeps of "
               "the paper with its stop.\n\n"
-              "![Reactions of every method beside the paper's](papers_reactions.png)\n\n");
+              "![Reactions of every method beside the "
+              "paper's](../../docs/pictures/papers-reactions.png)\n\n");
   return 0;
 }

@@ -41,15 +41,14 @@ static void reflect(int m, double *W, const double *v, double *w) {
       W[i + M * j] += 4 * vWv * v[i] * v[j] / (vv * vv) - 2 * (v[i] * w[j] + w[i] * v[j]) / vv;
 }
 
-/* Fills W with eigenvalues from 1 to 1 / condition, spaced evenly in their logarithm. */
-static int fill_spectrum(double *W, int m, double condition, uint64_t *state) {
+int regret_spectrum(double *W, int m, int rank, double condition, uint64_t *state) {
   enum { reflections = 30 };
   double *v = calloc(2 * (size_t)m, sizeof *v);
   if (!v) return -1;
-  for (int i = 0; i < m; i++)
+  for (int i = 0; i < rank; i++)
     W[(size_t)i * (size_t)(m + 1)] = pow(condition, -(1 + bench_draw(state)) / 2);
   W[0] = 1;
-  W[(size_t)m * (size_t)m - 1] = 1 / condition;
+  W[(size_t)(rank - 1) * (size_t)(m + 1)] = 1 / condition;
   for (int k = 0; k < reflections && k < m; k++) {
     for (int i = 0; i < m; i++)
       v[i] = bench_draw(state);
@@ -59,8 +58,7 @@ static int fill_spectrum(double *W, int m, double condition, uint64_t *state) {
   return 0;
 }
 
-/* Draws r and u of one contact that obey the laws: free, stick or slip, one in three each. */
-static void plant_contact(int d, double mu, uint64_t *state, double *r, double *u) {
+void regret_plant(int d, double mu, uint64_t *state, double *r, double *u) {
   const double kind = bench_draw(state), angle = pi * bench_draw(state);
   const double t[2] = {d == 3 ? cos(angle) : angle < 0 ? -1 : 1, sin(angle)};
   for (int i = 0; i < d; i++)
@@ -84,13 +82,13 @@ static int make_planted(regret_problem *a, int d, int nc, double mu, int bonded,
   const int m = d * nc;
   if (make_room(a, d, nc)) return -1;
   double *r = calloc(2 * (size_t)m, sizeof *r), *u = r ? r + m : NULL;
-  if (!r || fill_spectrum(a->W, m, bonded ? 1e2 : 1e4, state)) {
+  if (!r || regret_spectrum(a->W, m, m, bonded ? 1e2 : 1e4, state)) {
     free(r);
     return -1;
   }
   for (int c = 0; c < nc; c++) {
     a->own.mu[c] = bonded && c % 2 ? INFINITY : mu;
-    plant_contact(d, a->own.mu[c], state, r + d * c, u + d * c);
+    regret_plant(d, a->own.mu[c], state, r + d * c, u + d * c);
   }
   for (int i = 0; i < m; i++)
     a->own.q[i] = u[i];

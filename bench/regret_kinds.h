@@ -59,6 +59,14 @@ int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint
 /* regret_elastic.c: ill2 to block2. */
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
+/* Fills W (m x m, zeros) with `rank` eigenvalues from 1 to 1 / condition, spaced evenly in their
+ * logarithm, and zeros. Returns 0, or -1 without memory. */
+int regret_spectrum(double *W, int m, int rank, double condition, uint64_t *state);
+
+/* Draws r and u (d each) of one contact that obey the laws: free, stick or slip, one in three each.
+ */
+void regret_plant(int d, double mu, uint64_t *state, double *r, double *u);
+
 /* Sets q += H^T v and W by blocks of a->own: body, H, v, mu. q: zeros, or an addition to it. */
 int regret_assemble(regret_problem *a, int d, int nc, int bodies);
 

@@ -1,5 +1,6 @@
 /*
- * weighting.c: the weighting P of a contact line, [J] 4.4 example 2, for any spacing.
+ * weighting.c: the weighting P of a contact line, [J] 4.4 example 2, for any spacing, and of a line
+ * of quadratic edges.
  *
  *   chi_j  = 1 on the dual cell of contact j: half of the segment a before its node, half of
  *            b after it
@@ -10,12 +11,29 @@
  * their integrals are 3 a/8 and a/8. Hence (1/4) a/(a+b), 3/4, (1/4) b/(a+b); a = 0 at the first
  * node of the surface, b = 0 at the last. A neighbour that is no candidate takes its share, too.
  * The paper does not show this case: both ends of its print are candidates.
+ *
+ * Quadratic edges, corners at 0 and 1 and a middle node at 1/2 of the edge's length a:
+ *
+ *   N_0 = (1 - t)(1 - 2t),  N_m = 4 t (1 - t),  N_1 = t (2t - 1)
+ *
+ * The dual cell of a corner reaches a quarter into its edges, that of a middle node from 1/4 to
+ * 3/4. Integrals over [0, 1/4]: a/6, 5a/48, -a/48; over [1/4, 3/4]: a/48, 11a/24, a/48. With M =
+ * (a + b)/4 and a/2 the columns are, from corner to corner,
+ *
+ *   corner  -(1/12) a/(a+b), (5/12) a/(a+b), 2/3, (5/12) b/(a+b), -(1/12) b/(a+b)
+ *   middle  1/24, 11/12, 1/24
+ *
+ * Each corner has an entry < 0: N_1 < 0 on [0, 1/2], whatever cell of a corner ends there. chi_j
+ * >= 0 is all that [J] 4.3 needs of the laws; what is lost is proposition 2, P r >= 0.
  */
 #include <limits.h>
 #include <math.h>
 
 #include "base/base.h"
 #include "delassus/reduction.h"
+
+/* Distance of a middle node from the middle of its edge, over the edge: more than rounding. */
+static const double most_off = 1e-6;
 
 /* Checks the line; the number of its candidates must be > 0. */
 static dls_status weighting_check(int nodes, const double *s, const int *candidate,
@@ -58,6 +76,52 @@ dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, 
     if (k < nodes - 1) {
       i[e] = k + 1;
       x[e++] = (b / 2 / M) / 4;
+    }
+    if (length) length[j] = M;
+    p[++j] = e;
+  }
+  *columns = j;
+  return DLS_OK;
+}
+
+/* Checks that the line has whole edges, and each middle node the middle of its edge. */
+static dls_status quadratic_check(int nodes, const double *s, const int *candidate,
+                                  dls_error *error) {
+  const dls_status status = weighting_check(nodes, s, candidate, error);
+  if (status) return status;
+  if (nodes % 2 == 0 || nodes > INT_MAX / 4)
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d, not odd", nodes);
+  for (int k = 1; k < nodes; k += 2) {
+    const double a = s[k + 1] - s[k - 1];
+    if (!(fabs(s[k] - s[k - 1] - a / 2) <= most_off * a))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "s", k, s[k], "is not the middle between %g and %g",
+                       s[k - 1], s[k + 1]);
+  }
+  return DLS_OK;
+}
+
+dls_status dls_weighting_quadratic(int nodes, const double *s, const int *candidate, int *p, int *i,
+                                   double *x, double *length, int *columns, dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = quadratic_check(nodes, s, candidate, error);
+  if (!status && (!p || !i || !x || !columns))
+    status = dlsi_is_null(error, !p ? "p" : !i ? "i" : !x ? "x" : "columns");
+  if (status) return dlsi_at(__func__, status, error);
+
+  int j = 0, e = 0;
+  p[0] = 0;
+  for (int k = 0; k < nodes; k++) {
+    if (candidate && !candidate[k]) continue;
+    const int middle = k % 2, reach = middle ? 1 : 2;
+    const double a = k > 0 ? s[k] - s[k - reach] : 0, b = k < nodes - 1 ? s[k + reach] - s[k] : 0;
+    const double M = middle ? a / 2 + b / 2 : a / 4 + b / 4, left = a / 4 / M, right = b / 4 / M;
+    const double weight[5] = {-left / 12, middle ? 1. / 24 : 5 * left / 12,
+                              middle ? 11. / 12 : 2. / 3, middle ? 1. / 24 : 5 * right / 12,
+                              -right / 12};
+    for (int step = -reach; step <= reach; step++) {
+      if (k + step < 0 || k + step >= nodes) continue;
+      i[e] = k + step;
+      x[e++] = weight[step + 2];
     }
     if (length) length[j] = M;
     p[++j] = e;

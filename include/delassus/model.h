@@ -69,7 +69,8 @@ typedef struct dls_model {
   void *user;
   dls_sparse HN; /* n x nodes; any number of entries a column */
   dls_sparse HT; /* n x (d-1) nodes */
-  dls_sparse P;  /* nodes x candidates, every entry >= 0, no empty column; P.p = NULL for none */
+  dls_sparse P;  /* nodes x candidates, each column adds up to > 0; P.p = NULL for none. Where an
+                    entry is < 0, as on quadratic edges, nodal reactions P r may pull */
 
   /* Leave out of the contact problem: */
   const int
@@ -86,10 +87,10 @@ typedef struct dls_model {
 
 /* Checks sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P",
  * "active", "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x,
- * i or p of a sparse matrix, column for an empty column of P. Of a K for DLS_CHOLESKY or DLS_LDLT
- * only the lower triangle is read; a sparse one with entries above the diagonal and none below is
- * refused. Of a K for DLS_LU a lower triangle alone is refused unless `triangular`. Callers need
- * not call it: create does. */
+ * i or p of a sparse matrix, column for a column of P whose sum is not > 0. Of a K for DLS_CHOLESKY
+ * or DLS_LDLT only the lower triangle is read; a sparse one with entries above the diagonal and
+ * none below is refused. Of a K for DLS_LU a lower triangle alone is refused unless `triangular`.
+ * Callers need not call it: create does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
 
 #ifdef __cplusplus

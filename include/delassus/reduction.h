@@ -265,6 +265,23 @@ DLS_API DLS_MUST_USE dls_status dls_weighting_line(int nodes, const double *s, c
                                                    int *p, int *i, double *x, double *length,
                                                    int *columns, dls_error *error);
 
+/* Computes P of a line of quadratic edges: nodes 0, 2, .. are corners, nodes 1, 3, .. lie in the
+ * middle of their edges. As dls_weighting_line, with an odd number of nodes and room for nodes + 1,
+ * 4 nodes, 4 nodes in p, i, x. The cell of a corner reaches a quarter into its edges, that of a
+ * middle node covers half of its edge.
+ *
+ * Columns of equal edges: corner (-1/24, 5/24, 2/3, 5/24, -1/24), middle (1/24, 11/12, 1/24); they
+ * add up to 1. Nodal reactions P r of densities r >= 0 may pull at corners; the laws hold in the
+ * mean over the cells all the same, and P^T W P is definite where W is. DLS_E_ARGUMENT, also for a
+ * middle node off the middle by more than 1e-6 of its edge (index).
+ *
+ * On a structured surface of four-node or nine-node faces in 3D, P is the Kronecker product of the
+ * P of two lines, and a cell the product of two cells. */
+DLS_API DLS_MUST_USE dls_status dls_weighting_quadratic(int nodes, const double *s,
+                                                        const int *candidate, int *p, int *i,
+                                                        double *x, double *length, int *columns,
+                                                        dls_error *error);
+
 #ifdef __cplusplus
 }
 #endif

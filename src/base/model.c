@@ -96,8 +96,10 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
                    "is no kind of operator");
 }
 
-/* Checks P >= 0 and no row of P^T zero, which keep r_n >= 0 and Coulomb's cone: [J] 4.4,
- * proposition 2. */
+/* Checks that each column of P adds up to more than 0, as the integrals of a density over its cell
+ * do. Entries >= 0 also keep P r >= 0 and in Coulomb's cone, [J] 4.4, proposition 2; the method
+ * itself needs only densities that obey the laws, and quadratic edges have entries < 0
+ * (weighting.c). */
 static dls_status model_check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
   if (P->cols < 0 || P->cols > INT_MAX / model->d)
@@ -105,13 +107,11 @@ static dls_status model_check_weighting(const dls_model *model, dls_error *error
   const dls_status status = dlsi_check_sparse("P", P, model->nodes, P->cols, error);
   if (status) return status;
   for (int j = 0; j < P->cols; j++) {
-    int positive = 0;
-    for (int k = P->p[j]; k < P->p[j + 1]; k++) {
-      if (P->x[k] < 0) return dlsi_fail(error, DLS_E_ARGUMENT, "P", k, P->x[k], "is negative");
-      positive |= P->x[k] > 0;
-    }
-    if (!positive)
-      return dlsi_fail(error, DLS_E_ARGUMENT, "P", j, 0, "column %d has no positive entry", j);
+    double sum = 0;
+    for (int k = P->p[j]; k < P->p[j + 1]; k++)
+      sum += P->x[k];
+    if (!(sum > 0))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "P", j, sum, "column %d adds up to %g", j, sum);
   }
   return DLS_OK;
 }

@@ -271,6 +271,19 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_weighting_quadratic(nodes, s, candidate, p, i, x, length, columns, error) &
+        bind(c) result(status)
+      import :: c_int, c_double, dls_error
+      integer(c_int), value :: nodes
+      real(c_double), intent(in) :: s(*)
+      integer(c_int), intent(in), optional :: candidate(*)
+      integer(c_int), intent(inout) :: p(*), i(*)
+      real(c_double), intent(inout) :: x(*)
+      real(c_double), intent(inout), optional :: length(*)
+      integer(c_int), intent(inout) :: columns
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
 
     ! ---- motion.h ----
     subroutine dls_motion_settings_init(settings) bind(c)
@@ -336,7 +349,8 @@ module delassus
   public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
   public :: dls_reduction_recover, dls_reduction_balance, dls_reduction_nodal
   public :: dls_reduction_certify, dls_reduction_solve, dls_certificate_verdict
-  public :: dls_reduction_destroy, dls_weighting_line, dls_motion_settings_init
+  public :: dls_reduction_destroy, dls_weighting_line, dls_weighting_quadratic
+  public :: dls_motion_settings_init
   public :: dls_motion_create, dls_motion_start, dls_motion_step, dls_motion_set_h
   public :: dls_motion_get_state, dls_motion_get_energies, dls_motion_destroy
   public :: c_int, c_double, c_ptr, c_funptr, c_loc, c_funloc, c_null_ptr, c_null_char, c_f_pointer

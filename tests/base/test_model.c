@@ -199,10 +199,12 @@ START_TEST(weightings) {
   mu[1] = -2;
   model_refuses(&model, DLS_E_ARGUMENT, "mu", 1, -2, "is negative");
   model.mu = NULL;
+  x[0] = -0.5; /* beside 1: a column of quadratic edges may have such entries */
+  model_accepts(&model);
   x[0] = -3;
-  model_refuses(&model, DLS_E_ARGUMENT, "P", 0, -3, "is negative");
+  model_refuses(&model, DLS_E_ARGUMENT, "P", 0, -2, "column 0 adds up to -2");
   x[0] = 0, x[2] = 0;
-  model_refuses(&model, DLS_E_ARGUMENT, "P", 1, 0, "column 1 has no positive entry");
+  model_refuses(&model, DLS_E_ARGUMENT, "P", 1, 0, "column 1 adds up to 0");
   model.P.cols = INT_MAX / 2 + 1;
   model_refuses(&model, DLS_E_SIZE, "P", -1, INT_MAX / 2 + 1, "has 1073741824 columns");
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "close.h"
+#include "delassus/diagnose.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "errors.h"
@@ -925,7 +926,8 @@ START_TEST(bad_model) {
   BAD(F.Pp[2] = 1, DLS_E_ARGUMENT, "P", 2);
   BAD(F.Pi[3] = 3, DLS_E_ARGUMENT, "P", 3);
   BAD(F.Px[3] = NAN, DLS_E_NOT_FINITE, "P", 3);
-  BAD(F.Px[2] = -0.25, DLS_E_ARGUMENT, "P", 2);
+  BAD(F.Px[2] = -0.75, DLS_E_ARGUMENT, "P", 1);       /* column 1 adds up to 0 */
+  BAD(F.Px[2] = -1, DLS_E_ARGUMENT, "P", 1);          /* and to less */
   BAD(F.Pp[1] = 0, DLS_E_ARGUMENT, "P", 0);           /* column 0 is empty */
   BAD(F.Px[2] = F.Px[3] = 0, DLS_E_ARGUMENT, "P", 1); /* column 1 holds zeros */
 
@@ -1541,6 +1543,105 @@ START_TEST(line_in_a_model) {
 }
 END_TEST
 
+/* Returns the integral of the hat function of `node` of a quadratic edge (0: first corner, 1:
+ * middle, 2: last corner) from t to t + width, edge of length 1: Simpson's rule is exact to degree
+ * 3. */
+static double quadratic_hat(int node, double t) {
+  return node == 0 ? (1 - t) * (1 - 2 * t) : node == 1 ? 4 * t * (1 - t) : t * (2 * t - 1);
+}
+static double quadratic_integral(int node, double t, double width) {
+  return width / 6 *
+         (quadratic_hat(node, t) + 4 * quadratic_hat(node, t + width / 2) +
+          quadratic_hat(node, t + width));
+}
+
+/* Edges of 1, 3 and 2: each entry is the integral over the cell, over its length. Corners have
+ * entries < 0, columns add up to 1. Any unit. */
+START_TEST(quadratic_by_integrals) {
+  const double unit[] = {1, 1e-9, 1e9}, edge[] = {1, 3, 2};
+  double s[] = {0, 0.5, 1, 2.5, 4, 5, 6}, x[28], length[7];
+  for (int k = 0; k < 7; k++)
+    s[k] = (s[k] - 2) * unit[_i];
+  int p[8], i[28], columns;
+  ck_assert_int_eq(dls_weighting_quadratic(7, s, NULL, p, i, x, length, &columns, NULL), DLS_OK);
+  ck_assert_int_eq(columns, 7);
+  ck_assert_int_eq(p[7], 25);
+  for (int j = 0; j < 7; j++) {
+    double P[7] = {0}, cell = 0, sum = 0;
+    for (int e = 0; e < 3; e++)
+      for (int quarter = 0; quarter < 4; quarter++) {
+        const int owner = 2 * e + (quarter == 0 ? 0 : quarter == 3 ? 2 : 1);
+        if (owner != j) continue;
+        cell += edge[e] / 4;
+        for (int node = 0; node < 3; node++)
+          P[2 * e + node] += edge[e] * quadratic_integral(node, quarter / 4., 0.25);
+      }
+    ck_assert_double_eq_tol(length[j], cell * unit[_i], 8 * DBL_EPSILON * cell * unit[_i]);
+    int negative = 0;
+    for (int k = p[j]; k < p[j + 1]; k++) {
+      ck_assert(k == p[j] || i[k] > i[k - 1]);
+      ck_assert_double_eq_tol(x[k], P[i[k]] / cell, 8 * DBL_EPSILON);
+      negative += x[k] < 0;
+      sum += x[k];
+      P[i[k]] = 0;
+    }
+    for (int k = 0; k < 7; k++)
+      ck_assert_double_eq_tol(P[k], 0, 8 * DBL_EPSILON); /* nothing left out */
+    ck_assert_double_eq_tol(sum, 1, 8 * DBL_EPSILON);
+    ck_assert_int_eq(negative, j % 2 ? 0 : j == 0 || j == 6 ? 1 : 2);
+  }
+  const int candidate[] = {0, 1, 1, 0, 0, 0, 0};
+  ck_assert_int_eq(dls_weighting_quadratic(7, s, candidate, p, i, x, NULL, &columns, NULL), DLS_OK);
+  ck_assert_int_eq(columns, 2);
+  assert_column(p, i, x, 0, 3, (int[]){0, 1, 2}, (double[]){1. / 24, 11. / 12, 1. / 24});
+}
+END_TEST
+
+/* A P with entries < 0 goes into a model: the mechanics hold, and W = P^T (L^T K^-1 L) P is still
+ * positive definite, so that every load has an answer. */
+START_TEST(quadratic_in_a_model) {
+  make(2, 97, 5, 1, 1, 1);
+  const double s[] = {0, 0.5, 1, 1.25, 1.5}, mu[] = {0.5, 0.5, 0.5, 0.5, 0.5};
+  int columns;
+  ck_assert_int_eq(dls_weighting_quadratic(5, s, NULL, F.Pp, F.Pi, F.Px, NULL, &columns, NULL),
+                   DLS_OK);
+  F.model.P = sparse(5, columns, F.Pp, F.Pi, F.Px);
+  dls_reduction *R = new_reduction();
+  assert_mechanics(R);
+  dls_contact problem;
+  ck_assert_int_eq(dls_reduction_contact(R, mu, &problem, NULL), DLS_OK);
+  dls_diagnosis d;
+  ck_assert_int_eq(dls_contact_diagnose(&problem, 10, &d, NULL), DLS_OK);
+  ck_assert(d.spectrum == 1 && d.smallest > 1e-8 * d.largest);
+  double r[10];
+  ck_assert_int_eq(dls_solve(&problem, NULL, r, NULL, NULL, NULL), DLS_OK);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+START_TEST(bad_quadratic) {
+  double s[] = {0, 1, 2}, x[12], length[3];
+  int p[4], i[12], columns = 77;
+  dls_error e;
+  const char *name = "dls_weighting_quadratic";
+#define QUADRATIC(n, s_, p_, i_, x_, k, status, argument, index)                                   \
+  expect_error(dls_weighting_quadratic(n, s_, NULL, p_, i_, x_, length, k, &e), &e, status, name,  \
+               argument, index)
+  QUADRATIC(2, s, p, i, x, &columns, DLS_E_SIZE, "nodes", -1);
+  QUADRATIC(1, s, p, i, x, &columns, DLS_E_SIZE, "nodes", -1);
+  QUADRATIC(3, NULL, p, i, x, &columns, DLS_E_ARGUMENT, "s", -1);
+  QUADRATIC(3, s, NULL, i, x, &columns, DLS_E_ARGUMENT, "p", -1);
+  QUADRATIC(3, s, p, NULL, x, &columns, DLS_E_ARGUMENT, "i", -1);
+  QUADRATIC(3, s, p, i, NULL, &columns, DLS_E_ARGUMENT, "x", -1);
+  QUADRATIC(3, s, p, i, x, NULL, DLS_E_ARGUMENT, "columns", -1);
+  s[1] = 1.001;
+  QUADRATIC(3, s, p, i, x, &columns, DLS_E_ARGUMENT, "s", 1);
+  s[1] = NAN;
+  QUADRATIC(3, s, p, i, x, &columns, DLS_E_NOT_FINITE, "s", 1);
+  ck_assert_int_eq(columns, 77);
+}
+END_TEST
+
 START_TEST(bad_line) {
   double s[] = {0, 1, 2}, x[9];
   const int none[3] = {0};
@@ -1579,19 +1680,20 @@ START_TEST(bad_line) {
 END_TEST
 
 int main(void) {
-  return RUN(
-      "reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
-      EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
-      EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches), EACH(empty_tangents, 0, 4),
-      EACH(same_bits_twice, 0, 8), EACH(units, 0, 12), EACH(mixed_units, 0, 8),
-      EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
-      EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
-      ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), ONCE(whole_batches),
-      EACH(bad_model, 0, 8), EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16),
-      ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2),
-      ONCE(condensed_by_hand), ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
-      ONCE(differences_are_named), EACH(modes_are_reported, 0, 5), EACH(given_mode_is_held, 0, 2),
-      EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
-      ONCE(loads_do_not_teach), ONCE(nothing_is_held), ONCE(tangents_left_out),
-      EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
+  return RUN("reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
+             EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
+             EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches),
+             EACH(empty_tangents, 0, 4), EACH(same_bits_twice, 0, 8), EACH(units, 0, 12),
+             EACH(mixed_units, 0, 8), EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
+             EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
+             ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), ONCE(whole_batches),
+             EACH(bad_model, 0, 8), EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16),
+             ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2),
+             ONCE(condensed_by_hand), ONCE(overflow_leaves_the_load),
+             EACH(conditions_are_told, 0, 4), ONCE(differences_are_named),
+             EACH(modes_are_reported, 0, 5), EACH(given_mode_is_held, 0, 2),
+             EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
+             ONCE(loads_do_not_teach), ONCE(nothing_is_held), ONCE(tangents_left_out),
+             EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line),
+             EACH(quadratic_by_integrals, 0, 3), ONCE(quadratic_in_a_model), ONCE(bad_quadratic));
 }

@@ -18,6 +18,7 @@
 static const char *const of_an_entry[] = {
     "is not finite",
     "is negative",
+    "is not the middle",
     "is outside of",
     "is less than the one",
     "is a lower triangle",

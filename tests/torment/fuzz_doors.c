@@ -265,8 +265,8 @@ static void write_and_read(const dls_contact *problem, fuzz_bytes *b) {
 /* ---- small tools ----------------------------------------------------------------------------- */
 
 static void use_tools(fuzz_bytes *b) {
-  double W[9], q[3], r[3], s[8], x[24], length[8];
-  int candidate[8], p[9], i[24], columns, count;
+  double W[9], q[3], r[3], s[8], x[32], length[8];
+  int candidate[8], p[9], i[32], columns, count;
   char text[64];
   dls_error error;
   const int d = take_int(b, 1, 3);
@@ -282,8 +282,13 @@ static void use_tools(fuzz_bytes *b) {
     s[k] = take_byte(b) < 250 ? (at += take_byte(b) / 16.0 + 0.01) : take_value(b);
     candidate[k] = take_byte(b) < 160;
   }
-  if (dls_weighting_line(nodes, s, take_byte(b) < 128 ? candidate : NULL, p, i, x, length, &columns,
-                         &error) == DLS_OK)
+  const int quadratic = take_byte(b) < 128;
+  for (int k = 1; quadratic && k < 7; k += 2)
+    s[k] = s[k - 1] / 2 + s[k + 1] / 2;
+  const int *chosen = take_byte(b) < 128 ? candidate : NULL;
+  if ((quadratic
+           ? dls_weighting_quadratic(nodes, s, chosen, p, i, x, length, &columns, &error)
+           : dls_weighting_line(nodes, s, chosen, p, i, x, length, &columns, &error)) == DLS_OK)
     for (int j = 0; j < columns; j++) {
       double sum = 0;
       for (int k = p[j]; k < p[j + 1]; k++)

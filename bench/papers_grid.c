@@ -1,0 +1,332 @@
+/*
+ * papers_grid.c: elasticity of boxes by tensor products. With N_I the product of the shape
+ * functions N_i of each direction,
+ *
+ *   K_(Ia)(Jb) = l T_ab + G (T_ba + d_ab sum_c T_cc),   T_ab = int dN_I/dx_a dN_J/dx_b
+ *
+ * T_ab is a product over the directions of M = int N_i N_j, S = int N_i' N_j', C = int N_i' N_j or
+ * its transpose. Supports as for the block of [Jean 1988]: u_x = 0, in 3D u_y = 0, on the face x =
+ * L, where the bottom is held in the vertical, too, and has no candidates.
+ */
+#include "papers_grid.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double side = 4, young = 260, poisson = 0.2;
+static const double pressure = 1, traction[2] = {1.8, 5}; /* at the bottom, on top */
+
+typedef struct shape {
+  double M[3][3], S[3][3], C[3][3];
+} shape;
+
+/* The integrals of one direction, element of length h. */
+static shape shape_of(int order, double h) {
+  static const double M1[3][3] = {{2, 1}, {1, 2}}, S1[3][3] = {{1, -1}, {-1, 1}};
+  static const double C1[3][3] = {{-1, -1}, {1, 1}};
+  static const double M2[3][3] = {{4, 2, -1}, {2, 16, 2}, {-1, 2, 4}};
+  static const double S2[3][3] = {{7, -8, 1}, {-8, 16, -8}, {1, -8, 7}};
+  static const double C2[3][3] = {{-3, -4, 1}, {4, 0, -4}, {-1, 4, 3}};
+  shape s;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      s.M[i][j] = h * (order == 1 ? M1[i][j] / 6 : M2[i][j] / 30);
+      s.S[i][j] = (order == 1 ? S1[i][j] : S2[i][j] / 3) / h;
+      s.C[i][j] = order == 1 ? C1[i][j] / 2 : C2[i][j] / 6;
+    }
+  return s;
+}
+
+/* Splits k into d digits, digit a below size[a]. */
+static void split(int k, int d, const int *size, int *digit) {
+  for (int a = 0; a < d; a++) {
+    digit[a] = k % size[a];
+    k /= size[a];
+  }
+}
+
+double grid_coordinate(const grid *g, int node, int k) {
+  int at[3] = {0};
+  split(node, g->d, g->nodes, at);
+  return side * at[k] / (g->nodes[k] - 1);
+}
+
+static int product(int d, const int *size) {
+  int n = 1;
+  for (int a = 0; a < d; a++)
+    n *= size[a];
+  return n;
+}
+
+/* Returns the node of local number k of the element with these first nodes. */
+static int grid_node(const grid *g, const int *first, const int *local) {
+  int node = 0;
+  for (int a = g->d - 1; a >= 0; a--)
+    node = node * g->nodes[a] + first[a] + local[a];
+  return node;
+}
+
+static int grid_number(grid *g) {
+  const int all = product(g->d, g->nodes);
+  g->unknown = calloc((size_t)g->d * (size_t)all, sizeof *g->unknown);
+  if (!g->unknown) return -1;
+  g->line = product(g->d - 1, g->nodes);
+  for (int node = 0; node < all; node++)
+    for (int a = 0; a < g->d; a++) {
+      const int held = node % g->nodes[0] == g->nodes[0] - 1;
+      const int supported = held && (a < g->d - 1 || node < g->line);
+      g->unknown[g->d * node + a] = supported ? -1 : g->unknowns++;
+    }
+  return 0;
+}
+
+/* Fills k ((d c) x (d c)), the stiffness of an element with c nodes. */
+static void element_stiffness(const grid *g, int c, const shape *s, double *k) {
+  const double G = young / (2 * (1 + poisson));
+  const double l = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const int d = g->d, local[3] = {g->order + 1, g->order + 1, g->order + 1};
+  for (int I = 0; I < c; I++)
+    for (int J = 0; J < c; J++) {
+      int i[3], j[3];
+      double T[3][3];
+      split(I, d, local, i);
+      split(J, d, local, j);
+      for (int a = 0; a < d; a++)
+        for (int b = 0; b < d; b++) {
+          T[a][b] = 1;
+          for (int e = 0; e < d; e++)
+            T[a][b] *= e == a && e == b ? s[e].S[i[e]][j[e]]
+                       : e == a         ? s[e].C[i[e]][j[e]]
+                       : e == b         ? s[e].C[j[e]][i[e]]
+                                        : s[e].M[i[e]][j[e]];
+        }
+      for (int a = 0; a < d; a++)
+        for (int b = 0; b < d; b++) {
+          double sum = l * T[a][b] + G * T[b][a];
+          for (int e = 0; e < d && a == b; e++)
+            sum += G * T[e][e];
+          k[(d * I + a) + d * c * (d * J + b)] = sum;
+        }
+    }
+}
+
+/* Adds up K in columns, entries of a place repeated. */
+static int grid_stiffness(grid *g, const shape *s) {
+  const int d = g->d, local[3] = {g->order + 1, g->order + 1, g->order + 1};
+  const int c = product(d, local), elements = product(d, g->cells), m = d * c;
+  double *k = calloc((size_t)(m * m), sizeof *k);
+  const size_t most = (size_t)elements * (size_t)(m * m);
+  g->K.p = calloc((size_t)g->unknowns + 2, sizeof *g->K.p);
+  g->K.i = calloc(most, sizeof *g->K.i);
+  g->K.x = calloc(most, sizeof *g->K.x);
+  int *row = calloc((size_t)m, sizeof *row);
+  int bad = !k || !g->K.p || !g->K.i || !g->K.x || !row;
+  if (!bad) element_stiffness(g, c, s, k);
+  for (int pass = 0; pass < 2 && !bad; pass++) { /* counts, then places */
+    for (int e = 0; e < elements; e++) {
+      int first[3], i[3];
+      split(e, d, g->cells, first);
+      for (int a = 0; a < d; a++)
+        first[a] *= g->order;
+      for (int I = 0; I < c; I++) {
+        split(I, d, local, i);
+        for (int a = 0; a < d; a++)
+          row[d * I + a] = g->unknown[d * grid_node(g, first, i) + a];
+      }
+      for (int b = 0; b < m; b++)
+        for (int a = 0; a < m && row[b] >= 0; a++) {
+          if (row[a] < 0) continue;
+          if (pass == 0) {
+            g->K.p[row[b] + 2]++;
+            continue;
+          }
+          const int at = g->K.p[row[b] + 1]++;
+          g->K.i[at] = row[a];
+          g->K.x[at] = k[a + m * b];
+        }
+    }
+    for (int j = 2; pass == 0 && j <= g->unknowns + 1; j++)
+      g->K.p[j] += g->K.p[j - 1];
+  }
+  free(k);
+  free(row);
+  return bad ? -1 : 0;
+}
+
+/* Returns the integral of the shape function of place k along a side, times a linear function that
+ * is `low` at 0 and `high` at the end. */
+static double side_integral(const grid *g, const shape *s, int a, int k, double low, double high) {
+  double sum = 0;
+  for (int e = 0; e < g->cells[a]; e++)
+    for (int j = 0; j <= g->order; j++) {
+      const int i = k - e * g->order, at = e * g->order + j;
+      if (i < 0 || i > g->order) continue;
+      sum += s[a].M[i][j] * (low + (high - low) * at / (g->nodes[a] - 1));
+    }
+  return sum;
+}
+
+static int grid_loads(grid *g, const shape *s) {
+  const int all = product(g->d, g->nodes), up = g->d - 1;
+  g->f = calloc((size_t)g->unknowns, sizeof *g->f);
+  if (!g->f) return -1;
+  for (int node = 0; node < all; node++) {
+    int at[3] = {0};
+    split(node, g->d, g->nodes, at);
+    const double deep = g->d == 3 ? side_integral(g, s, 1, at[1], 1, 1) : 1;
+    const int x = g->unknown[g->d * node], y = g->unknown[g->d * node + up];
+    if (at[up] == g->nodes[up] - 1 && y >= 0)
+      g->f[y] -= pressure * deep * side_integral(g, s, 0, at[0], 1, 1);
+    if (at[0] == 0 && x >= 0)
+      g->f[x] += deep * side_integral(g, s, up, at[up], traction[0], traction[1]);
+  }
+  return 0;
+}
+
+/* P of one direction: nodes x columns, dense, and the cells; all_but_last: of the candidates. */
+static int grid_line(const grid *g, int a, int all_but_last, double *P, double *cell) {
+  const int n = g->nodes[a];
+  double *s = calloc((size_t)(6 * n), sizeof *s), *x = s + n;
+  int *p = calloc((size_t)(6 * n + 1), sizeof *p), *i = p + n + 1, columns = 0;
+  int candidate[1000];
+  dls_error error = {0};
+  int bad = !s || !p || n > 1000;
+  for (int k = 0; k < n && !bad; k++) {
+    s[k] = side * k / (n - 1);
+    candidate[k] = !(all_but_last && k == n - 1);
+  }
+  if (!bad)
+    bad = (g->order == 1
+               ? dls_weighting_line(n, s, candidate, p, i, x, cell, &columns, &error)
+               : dls_weighting_quadratic(n, s, candidate, p, i, x, cell, &columns, &error)) < 0;
+  for (int j = 0; j < columns && !bad; j++)
+    for (int k = p[j]; k < p[j + 1]; k++)
+      P[i[k] + n * j] += x[k];
+  free(s);
+  free(p);
+  return bad ? -1 : columns;
+}
+
+/* Fills candidates, cells and P: the Kronecker product of the lines, or a selection. */
+static int grid_weighting(grid *g, const shape *s, int weighted, double mu) {
+  const int nx = g->nodes[0], ny = g->d == 3 ? g->nodes[1] : 1, columns = nx - 1;
+  const size_t count = (size_t)columns * (size_t)ny, room = 25 * count;
+  double *X = calloc((size_t)(nx * nx + ny * ny + 2 * (nx + ny)), sizeof *X), *Y = X + nx * nx;
+  double *of_x = Y + ny * ny, *of_y = of_x + nx;
+  g->P.p = calloc(count + 1, sizeof *g->P.p);
+  g->P.i = calloc(room, sizeof *g->P.i);
+  g->P.x = calloc(room, sizeof *g->P.x);
+  g->area = calloc(count, sizeof *g->area);
+  g->mu = calloc(count, sizeof *g->mu);
+  g->node = calloc(count, sizeof *g->node);
+  int bad = !X || !g->P.p || !g->P.i || !g->P.x || !g->area || !g->mu || !g->node;
+  if (!bad) bad = grid_line(g, 0, 1, X, of_x) < 0;
+  if (!bad && ny > 1) bad = grid_line(g, 1, 0, Y, of_y) < 0;
+  if (!bad && ny == 1) Y[0] = of_y[0] = 1;
+  int e = 0;
+  for (size_t c = 0; c < count && !bad; c++) {
+    const int cx = (int)c % columns, cy = (int)c / columns;
+    g->node[c] = cx + nx * cy;
+    g->mu[c] = mu;
+    g->area[c] = weighted ? of_x[cx] * of_y[cy]
+                          : side_integral(g, s, 0, cx, 1, 1) *
+                                (ny > 1 ? side_integral(g, s, 1, cy, 1, 1) : 1);
+    for (int y = 0; y < ny; y++)
+      for (int x = 0; x < nx; x++) {
+        const double weight = weighted ? X[x + nx * cx] * Y[y + ny * cy] : x == cx && y == cy;
+        if (weight == 0) continue;
+        g->P.i[e] = x + nx * y;
+        g->P.x[e++] = weight;
+        g->least = fmin(g->least, weight);
+      }
+    g->P.p[c + 1] = e;
+  }
+  g->candidates = (int)count;
+  free(X);
+  return bad ? -1 : 0;
+}
+
+/* Fills H_N, H_T: contact node k is node k of the grid. Held unknowns have empty columns. */
+static int grid_operators(grid *g) {
+  const size_t line = (size_t)g->line, d = (size_t)g->d;
+  g->HN.p = calloc(line + 1, sizeof(int));
+  g->HN.i = calloc(line, sizeof(int));
+  g->HN.x = calloc(line, sizeof(double));
+  g->HT.p = calloc((d - 1) * line + 1, sizeof(int));
+  g->HT.i = calloc((d - 1) * line, sizeof(int));
+  g->HT.x = calloc((d - 1) * line, sizeof(double));
+  if (!g->HN.p || !g->HN.i || !g->HN.x || !g->HT.p || !g->HT.i || !g->HT.x) return -1;
+  int n = 0, t = 0;
+  for (size_t k = 0; k < line; k++) {
+    for (size_t a = 0; a < d; a++) {
+      const int row = g->unknown[d * k + a];
+      if (row >= 0 && a == d - 1) {
+        g->HN.i[n] = row;
+        g->HN.x[n++] = 1;
+      } else if (row >= 0) {
+        g->HT.i[t] = row;
+        g->HT.x[t++] = 1;
+      }
+      if (a < d - 1) g->HT.p[(d - 1) * k + a + 1] = t;
+    }
+    g->HN.p[k + 1] = n;
+  }
+  return 0;
+}
+
+int grid_create(grid *g, int d, int order, int cells, int weighted, double mu) {
+  *g = (grid){.d = d, .order = order, .least = INFINITY};
+  shape s[3];
+  for (int a = 0; a < d; a++) {
+    g->cells[a] = a == d - 1 ? cells / 2 : cells;
+    g->nodes[a] = order * g->cells[a] + 1;
+    s[a] = shape_of(order, side / g->cells[a]);
+  }
+  dls_error error = {0};
+  dls_status status = DLS_E_MEMORY;
+  if (grid_number(g) || grid_stiffness(g, s) || grid_loads(g, s) ||
+      grid_weighting(g, s, weighted, mu) || grid_operators(g))
+    goto failed;
+  const int n = g->unknowns;
+  g->model = (dls_model){.d = d,
+                         .n = n,
+                         .nodes = g->line,
+                         .operator_kind = DLS_STIFFNESS_SPARSE,
+                         .factorization = DLS_CHOLESKY,
+                         .Ks = {n, n, g->K.p, g->K.i, g->K.x},
+                         .HN = {n, g->line, g->HN.p, g->HN.i, g->HN.x},
+                         .HT = {n, (d - 1) * g->line, g->HT.p, g->HT.i, g->HT.x},
+                         .P = {g->line, g->candidates, g->P.p, g->P.i, g->P.x}};
+  status = dls_reduction_create(&g->reduction, &g->model, &error);
+  if (!status) status = dls_reduction_load(g->reduction, g->f, NULL, &error);
+  if (!status) status = dls_reduction_contact(g->reduction, g->mu, &g->contact, &error);
+  if (!status) return 0;
+failed:
+  fprintf(stderr, "grid: %s\n", status == DLS_E_MEMORY ? "no memory" : error.message);
+  grid_free(g);
+  return -1;
+}
+
+void grid_free(grid *g) {
+  dls_reduction_destroy(g->reduction);
+  free(g->unknown);
+  free(g->f);
+  free(g->mu);
+  free(g->area);
+  free(g->node);
+  free(g->K.p);
+  free(g->K.i);
+  free(g->K.x);
+  free(g->HN.p);
+  free(g->HN.i);
+  free(g->HN.x);
+  free(g->HT.p);
+  free(g->HT.i);
+  free(g->HT.x);
+  free(g->P.p);
+  free(g->P.i);
+  free(g->P.x);
+  *g = (grid){0};
+}
