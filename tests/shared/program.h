@@ -16,4 +16,8 @@ int run(const char *arguments);
 #define NEEDS_HDF5                                                                                 \
   if (!WITH_HDF5) return
 
+/* Ends a test of meshes that MUMPS factorises in a build without it. */
+#define NEEDS_MUMPS                                                                                \
+  if (!WITH_MUMPS) return
+
 #endif
