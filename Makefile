@@ -594,7 +594,7 @@ bench-report: $(BUILD)/bench/report
 
 # every page that a program writes, one after the other on this machine, which should be idle; hours
 .PHONY: bench-all
-BENCH_ALL = auto blocks derive dynamics global least lemke motion papers prove report scale steps trust
+BENCH_ALL = auto blocks derive dynamics global hard least lemke motion papers prove report scale steps trust
 bench-all:
 	@for name in $(BENCH_ALL); do $(MAKE) --no-print-directory bench-$$name || exit 1; done
 	@$(MAKE) --no-print-directory bench-auto BENCH=--price
