@@ -53,35 +53,56 @@ static dls_status weighting_check(int nodes, const double *s, const int *candida
   return dlsi_fail(error, DLS_E_ARGUMENT, "candidate", -1, 0, "names no candidate");
 }
 
-dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
-                              double *x, double *length, int *columns, dls_error *error) {
-  DLSI_DOOR;
-  dls_status status = weighting_check(nodes, s, candidate, error);
-  if (!status && (!p || !i || !x || !columns))
-    status = dlsi_is_null(error, !p ? "p" : !i ? "i" : !x ? "x" : "columns");
-  if (status) return dlsi_at(__func__, status, error);
+/* A column of P: its entries at the nodes -reach .. reach from its own, of five, and its M. */
+typedef struct column {
+  int reach;
+  double M, weight[5];
+} column;
 
+static column column_of_line(int nodes, const double *s, int k) {
+  const double a = k > 0 ? s[k] - s[k - 1] : 0, b = k < nodes - 1 ? s[k + 1] - s[k] : 0;
+  const double M = a / 2 + b / 2;
+  return (column){1, M, {0, (a / 2 / M) / 4, 0.75, (b / 2 / M) / 4}};
+}
+
+static column column_of_quadratic(int nodes, const double *s, int k) {
+  const int middle = k % 2, reach = middle ? 1 : 2;
+  const double a = k > 0 ? s[k] - s[k - reach] : 0, b = k < nodes - 1 ? s[k + reach] - s[k] : 0;
+  const double M = middle ? a / 2 + b / 2 : a / 4 + b / 4, left = a / 4 / M, right = b / 4 / M;
+  if (middle) return (column){1, M, {0, 1. / 24, 11. / 12, 1. / 24}};
+  return (column){2, M, {-left / 12, 5 * left / 12, 2. / 3, 5 * right / 12, -right / 12}};
+}
+
+/* Checks the outputs and fills P of a line that has been checked. */
+static dls_status weighting_fill(int nodes, const double *s, const int *candidate,
+                                 column column_of(int, const double *, int), int *p, int *i,
+                                 double *x, double *length, int *columns, dls_error *error) {
+  if (!p || !i || !x || !columns)
+    return dlsi_is_null(error, !p ? "p" : !i ? "i" : !x ? "x" : "columns");
   int j = 0, e = 0;
   p[0] = 0;
   for (int k = 0; k < nodes; k++) {
     if (candidate && !candidate[k]) continue;
-    const double a = k > 0 ? s[k] - s[k - 1] : 0, b = k < nodes - 1 ? s[k + 1] - s[k] : 0;
-    const double M = a / 2 + b / 2;
-    if (k > 0) {
-      i[e] = k - 1;
-      x[e++] = (a / 2 / M) / 4;
+    const column c = column_of(nodes, s, k);
+    for (int step = -c.reach; step <= c.reach; step++) {
+      if (k + step < 0 || k + step >= nodes) continue;
+      i[e] = k + step;
+      x[e++] = c.weight[step + 2];
     }
-    i[e] = k;
-    x[e++] = 0.75;
-    if (k < nodes - 1) {
-      i[e] = k + 1;
-      x[e++] = (b / 2 / M) / 4;
-    }
-    if (length) length[j] = M;
+    if (length) length[j] = c.M;
     p[++j] = e;
   }
   *columns = j;
   return DLS_OK;
+}
+
+dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
+                              double *x, double *length, int *columns, dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = weighting_check(nodes, s, candidate, error);
+  if (!status)
+    status = weighting_fill(nodes, s, candidate, column_of_line, p, i, x, length, columns, error);
+  return dlsi_at(__func__, status, error);
 }
 
 /* Checks that the line has whole edges, and each middle node the middle of its edge. */
@@ -104,28 +125,8 @@ dls_status dls_weighting_quadratic(int nodes, const double *s, const int *candid
                                    double *x, double *length, int *columns, dls_error *error) {
   DLSI_DOOR;
   dls_status status = quadratic_check(nodes, s, candidate, error);
-  if (!status && (!p || !i || !x || !columns))
-    status = dlsi_is_null(error, !p ? "p" : !i ? "i" : !x ? "x" : "columns");
-  if (status) return dlsi_at(__func__, status, error);
-
-  int j = 0, e = 0;
-  p[0] = 0;
-  for (int k = 0; k < nodes; k++) {
-    if (candidate && !candidate[k]) continue;
-    const int middle = k % 2, reach = middle ? 1 : 2;
-    const double a = k > 0 ? s[k] - s[k - reach] : 0, b = k < nodes - 1 ? s[k + reach] - s[k] : 0;
-    const double M = middle ? a / 2 + b / 2 : a / 4 + b / 4, left = a / 4 / M, right = b / 4 / M;
-    const double weight[5] = {-left / 12, middle ? 1. / 24 : 5 * left / 12,
-                              middle ? 11. / 12 : 2. / 3, middle ? 1. / 24 : 5 * right / 12,
-                              -right / 12};
-    for (int step = -reach; step <= reach; step++) {
-      if (k + step < 0 || k + step >= nodes) continue;
-      i[e] = k + step;
-      x[e++] = weight[step + 2];
-    }
-    if (length) length[j] = M;
-    p[++j] = e;
-  }
-  *columns = j;
-  return DLS_OK;
+  if (!status)
+    status =
+        weighting_fill(nodes, s, candidate, column_of_quadratic, p, i, x, length, columns, error);
+  return dlsi_at(__func__, status, error);
 }

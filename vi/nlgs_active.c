@@ -39,9 +39,8 @@ static void active_forget(dls_nlgs *work, const dls_contact *problem, int c) {
 
 /* Returns 1 if the contact carries a reaction or closes. */
 static int active_acts(const dls_nlgs *work, size_t d, int c, const double *r) {
-  const double *rc = r + d * (size_t)c;
-  return rc[0] != 0 || (d > 1 && rc[1] != 0) || (d > 2 && rc[2] != 0) ||
-         work->it.u[d * (size_t)c] < 0;
+  const size_t at = d * (size_t)c;
+  return !dlsi_is_zero((int)d, r + at) || work->it.u[at] < 0;
 }
 
 void dlsi_nlgs_narrow(dls_nlgs *work, const dls_contact *problem, const double *r) {

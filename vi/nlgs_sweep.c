@@ -130,9 +130,8 @@ static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work
       dlsi_bodies_look(d, n, &of, problem->q + (size_t)d * (size_t)c, uc);
     } else
       nlgs_look(d, problem, b, c, work->it.u, uc);
-    if (rc[0] == 0 && uc[0] >= 0 && (d < 2 || rc[1] == 0) && (d < 3 || rc[2] == 0))
-      continue;                   /* (NL0) */
-    for (int i = 0; i < d; i++) { /* (NL1) */
+    if (uc[0] >= 0 && dlsi_is_zero(d, rc)) continue; /* (NL0) */
+    for (int i = 0; i < d; i++) {                    /* (NL1) */
       double sum = W[i] * rc[0];
       for (int j = 1; j < d; j++)
         sum += W[i + d * j] * rc[j];

@@ -536,6 +536,11 @@ static inline double dlsi_block_weight(int d, const double *block) {
   return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
 }
 
+/* Returns 1 for a zero d-vector of a contact. */
+static inline int dlsi_is_zero(int d, const double *v) {
+  return v[0] == 0 && (d < 2 || v[1] == 0) && (d < 3 || v[2] == 0);
+}
+
 /* Returns |v_t|. hypot costs ten times the square root and is needed only if squares over- or
  * underflow. */
 static inline double dlsi_tangent_norm(int d, const double *v) {

@@ -32,17 +32,12 @@ static size_t bodies_size(const dls_contact *problem) {
   else                                                                                             \
     CALL(3, 6)
 
-/* Returns 1 for r_c = 0, which moves nothing. */
-static inline int bodies_rests(size_t d, const double *rc) {
-  return rc[0] == 0 && (d < 2 || rc[1] == 0) && (d < 3 || rc[2] == 0);
-}
-
 static DLSI_INLINE void bodies_gather(const int d, const int n, const dls_contact *problem,
                                       const int *order, const double *r) {
   const dls_bodies *B = &problem->bodies;
   for (int k = 0; k < problem->nc; k++) {
     const size_t c = order ? (size_t)order[k] : (size_t)k;
-    if (bodies_rests((size_t)d, r + (size_t)d * c)) continue;
+    if (dlsi_is_zero(d, r + (size_t)d * c)) continue;
     const dlsi_pair_of_bodies of = dlsi_bodies_of(B, (size_t)n * (size_t)d, c, B->work);
     dlsi_bodies_push(d, n, &of, r + (size_t)d * c);
   }
@@ -65,7 +60,7 @@ static DLSI_INLINE void bodies_magnitudes(const size_t d, const size_t n,
   const dls_bodies *B = &problem->bodies;
   const size_t places = 2 * (size_t)problem->nc;
   for (size_t k = 0; k < places; k++) {
-    if (B->body[k] < 0 || bodies_rests(d, r + k / 2 * d)) continue;
+    if (B->body[k] < 0 || dlsi_is_zero((int)d, r + k / 2 * d)) continue;
     const double *H = B->H + n * d * k;
     double *of = v + n * (size_t)B->body[k];
     for (size_t i = 0; i < d; i++)

@@ -36,8 +36,8 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
                           double *J, double *x);
 
 /* (SN6) Returns 1 if the error of r may be large although the residual is small; always 1 for few
- * rows, where the prediction costs little. W: dense or by blocks. w: weights of the certificate.
- * Costs about one product with W. */
+ * rows, where the prediction costs little. For up to dlsi_predicted_rows rows. W: dense or by
+ * blocks. w: weights of the certificate. Costs about one product with W. */
 int dlsi_may_hide_error(const dls_contact *problem, const double *w);
 
 /* state (nc) := the states of the positions u, with u_n and |u_t| up to `close` taken as 0:

@@ -165,15 +165,18 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 
 /* ---- prediction ------------------------------------------------------------------------------ */
 
-/* Adds the entries of a d x d block of rows b and columns c of W, by their weights w (2 nc). */
-static void add_block(size_t d, const double *w, int b, int c, const double *block, size_t ld,
+/* Adds the entries of a d x d block of rows b and columns c of W. inverse: of the weights, 2 nc. */
+static void add_block(size_t d, const double *inverse, int b, int c, const double *block, size_t ld,
                       double *trace, double *square) {
-  for (size_t j = 0; j < d; j++)
+  for (size_t j = 0; j < d; j++) {
+    double sum = 0;
     for (size_t i = 0; i < d; i++) {
-      const double x = block[i + ld * j], of_row = w[2 * b + (i > 0)];
-      *square += x * x / (of_row * w[2 * c + (j > 0)]);
-      if (b == c && i == j) *trace += x / of_row;
+      const double x = block[i + ld * j], of_row = inverse[2 * b + (i > 0)];
+      sum += x * x * of_row;
+      if (b == c && i == j) *trace += x * of_row;
     }
+    *square += sum * inverse[2 * c + (j > 0)];
+  }
 }
 
 int dlsi_may_hide_error(const dls_contact *problem, const double *w) {
@@ -181,15 +184,17 @@ int dlsi_may_hide_error(const dls_contact *problem, const double *w) {
   const int nc = problem->nc;
   if (d * (size_t)nc <= dlsi_predicted_of_blocks) return 1;
   const dls_blocks *W = &problem->Wb;
-  double trace = 0, square = 0;
-  for (int b = 0; b < nc && problem->W.a; b++)
-    for (int c = 0; c < nc; c++) {
+  double inverse[2 * dlsi_predicted_rows], trace = 0, square = 0;
+  for (int k = 0; k < 2 * nc; k++)
+    inverse[k] = 1 / w[k];
+  for (int c = 0; c < nc && problem->W.a; c++)
+    for (int b = 0; b < nc; b++) {
       const size_t ld = (size_t)problem->W.ld, at = d * ((size_t)b + ld * (size_t)c);
-      add_block(d, w, b, c, problem->W.a + at, ld, &trace, &square);
+      add_block(d, inverse, b, c, problem->W.a + at, ld, &trace, &square);
     }
-  for (int b = 0; b < nc && !problem->W.a; b++)
-    for (int k = W->p[b]; k < W->p[b + 1]; k++)
-      add_block(d, w, b, W->i[k], W->x + d * d * (size_t)k, d, &trace, &square);
+  for (int c = 0; c < nc && !problem->W.a; c++)
+    for (int k = W->p[c]; k < W->p[c + 1]; k++)
+      add_block(d, inverse, W->i[k], c, W->x + d * d * (size_t)k, d, &trace, &square);
   return !(trace * trace >= fmax(few_directions, (double)d * nc / rows_of_direction) * square);
 }
 

@@ -9,22 +9,8 @@
 #include "program.h"
 #include "run.h"
 
-enum { text_room = 400000 };
-
 static int shows(const char *text) {
   return strstr(output, text) != NULL;
-}
-
-/* Returns the contents of a file of the test's directory, until the next call. */
-static const char *contents(const char *name) {
-  static char text[text_room];
-  char path[200];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "r");
-  ck_assert_msg(file != NULL, "%s is not there", path);
-  text[fread(text, 1, sizeof text - 1, file)] = '\0';
-  (void)fclose(file);
-  return text;
 }
 
 static int count_of(const char *text, const char *part) {
@@ -32,15 +18,6 @@ static int count_of(const char *text, const char *part) {
   for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
     count++;
   return count;
-}
-
-/* The number, or the word, behind "name": in the JSON that was printed. */
-static double number_of(const char *name) {
-  char key[64];
-  (void)snprintf(key, sizeof key, "\"%s\": ", name);
-  const char *at = strstr(output, key);
-  ck_assert_msg(at != NULL, "no %s in %s", name, output);
-  return strtod(at + strlen(key), NULL);
 }
 
 /* ---- chart ----------------------------------------------------------------------------------- */

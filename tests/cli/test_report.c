@@ -9,31 +9,11 @@
 #include "program.h"
 #include "run.h"
 
-enum { text_room = 1100000, most_bytes = 1000000 };
-
-/* Returns the contents of a file of the test's directory, until the next call. */
-static const char *read_page(const char *name) {
-  static char text[text_room];
-  char path[200];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "r");
-  ck_assert_msg(file != NULL, "%s is not there", path);
-  text[fread(text, 1, sizeof text - 1, file)] = '\0';
-  (void)fclose(file);
-  return text;
-}
-
-static double field(const char *name) {
-  char key[64];
-  (void)snprintf(key, sizeof key, "\"%s\": ", name);
-  const char *at = strstr(output, key);
-  ck_assert_msg(at != NULL, "no %s in %s", name, output);
-  return strtod(at + strlen(key), NULL);
-}
+enum { most_bytes = 1000000 };
 
 /* Every tag is closed in its order; nothing is loaded; no id stands twice. */
 static void expect_page(const char *name) {
-  const char *page = read_page(name);
+  const char *page = contents(name);
   static const char *const loads[] = {"<script", "<link",    "<img",        "<iframe",   "src=",
                                       "@import", "url(http", "href=\"http", "href='http"};
   char open[64][16];
@@ -71,7 +51,7 @@ static double force_at(int nx, int ny, const char *tol) {
   (void)snprintf(arguments, sizeof arguments, "scene jean-fig3 --mesh=%dx%d --tol=%s --json", nx,
                  ny, tol);
   ck_assert_int_eq(run(arguments), 0);
-  return field("resultant_t");
+  return number_of("resultant_t");
 }
 
 /* The advised setting is within the accuracy of one four times finer, and one that is half as fine
@@ -172,7 +152,7 @@ START_TEST(without_gnuplot) {
   ck_assert_int_eq(setenv("PATH", path, 1), 0);
   ck_assert_int_eq(status, 0);
   ck_assert_ptr_nonnull(strstr(output, "install gnuplot"));
-  const char *page = read_page("jean-fig3.html");
+  const char *page = contents("jean-fig3.html");
   ck_assert_ptr_null(strstr(page, "<svg"));
   ck_assert_ptr_nonnull(strstr(page, "install gnuplot"));
   ck_assert_ptr_nonnull(strstr(page, "mu</th><th>method</th>"));

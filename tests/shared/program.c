@@ -5,6 +5,7 @@
 #include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/wait.h>
 
 char directory[64];
@@ -36,4 +37,23 @@ int run(const char *arguments) {
   const int status = pclose(pipe);
   ck_assert_msg(WIFEXITED(status), "%s: ended by a signal", arguments);
   return WEXITSTATUS(status);
+}
+
+const char *contents(const char *name) {
+  static char text[1100000];
+  char path[200];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "r");
+  ck_assert_msg(file != NULL, "%s is not there", path);
+  text[fread(text, 1, sizeof text - 1, file)] = '\0';
+  (void)fclose(file);
+  return text;
+}
+
+double number_of(const char *name) {
+  char key[64];
+  (void)snprintf(key, sizeof key, "\"%s\": ", name);
+  const char *at = strstr(output, key);
+  ck_assert_msg(at != NULL, "no %s in %s", name, output);
+  return strtod(at + strlen(key), NULL);
 }

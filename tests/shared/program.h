@@ -12,6 +12,12 @@ void remove_directory(void);
 /* Runs `delassus ARGUMENTS`, "@" standing for the test's directory; returns its exit status. */
 int run(const char *arguments);
 
+/* Returns the contents of a file of the test's directory, until the next call. */
+const char *contents(const char *name);
+
+/* Returns the number behind "name": in the JSON that the last run printed. */
+double number_of(const char *name);
+
 /* Ends a test that needs FCLIB files in a build without HDF5. */
 #define NEEDS_HDF5                                                                                 \
   if (!WITH_HDF5) return
