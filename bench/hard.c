@@ -5,9 +5,12 @@
  *   hard --part K --out DIR    adds the runs of a part to DIR/hard.csv; 0: begins the file anew
  *   hard --page --out DIR      writes DIR/hard.md of these runs
  *   hard --one FLAW CONTACTS CONDITION MU SEED [SECONDS]    one problem, a line for each method
+ *   hard --save DIR            writes 30 of the problems as FCLIB files, for `delassus profile`
  *
  * Parts: the grid of conditioning and friction with 10 and with 30 contacts, two seeds of each
  * degeneracy; fewer problems with 100, 300 and 1000 contacts. A limit of CPU stands in each row.
+ * Saved: all conditionings, frictions 0.3, 1 and 5, 30 and 100 contacts, seed 2, the
+ * degeneracies but bonded in turn.
  */
 #include "hard.h"
 
@@ -16,6 +19,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "delassus/files.h"
 
 enum { most_rows = 20000 };
 
@@ -130,13 +134,47 @@ static int run_one(char **argument, double seconds) {
   return 0;
 }
 
+/* Writes a problem as DIRECTORY/hard-FLAW-CONTACTS-CONDITION-muFRICTION.hdf5. */
+static int save_problem(const char *directory, const hard_row *what) {
+  char name[96], path[1024];
+  hard_problem p;
+  dls_error error = {0};
+  if (hard_create(&p, what->nc, what->condition, what->mu, what->flaw, (uint64_t)what->seed))
+    return 1;
+  (void)snprintf(name, sizeof name, "hard-%s-%d-1e%.0f-mu%g", hard_flaw_name(what->flaw), what->nc,
+                 log10(what->condition), what->mu);
+  (void)snprintf(path, sizeof path, "%s/%s.hdf5", directory, name);
+  const int bad = dls_fclib_write_local(path, &p.contact, name, NULL, NULL, &error) < 0;
+  if (bad) fprintf(stderr, "%s: %s\n", path, error.message);
+  hard_free(&p);
+  return bad;
+}
+
+/* An FCLIB file holds no infinite friction: none of them is bonded. */
+static int save_problems(const char *directory) {
+  static const int sizes[] = {30, 100}, friction[] = {1, 2, 4}; /* 0.3, 1, 5 */
+  int bad = 0;
+  for (int n = 0; n < 2; n++)
+    for (int i = 0; i < 5; i++)
+      for (int j = 0; j < 3 && !bad; j++) {
+        const hard_row what = {.flaw = (hard_flaw)((n + i + j) % HARD_BONDED),
+                               .nc = sizes[n],
+                               .condition = conditions[i],
+                               .mu = frictions[friction[j]],
+                               .seed = 2};
+        bad = save_problem(directory, &what);
+      }
+  return bad;
+}
+
 int main(int argc, char **argv) {
   const char *out = argc >= 3 && strcmp(argv[argc - 2], "--out") == 0 ? argv[argc - 1] : NULL;
   if (argc >= 7 && strcmp(argv[1], "--one") == 0)
     return run_one(argv + 2, argc > 7 ? atof(argv[7]) : 1);
+  if (argc == 3 && strcmp(argv[1], "--save") == 0) return save_problems(argv[2]);
   if (out && argc == 5 && strcmp(argv[1], "--part") == 0) return run_part(atoi(argv[2]), out);
   if (out && argc == 4 && strcmp(argv[1], "--page") == 0) return write_page(out, argc, argv);
-  fprintf(stderr, "hard --part K --out DIR, hard --page --out DIR, or hard --one FLAW CONTACTS "
-                  "CONDITION MU SEED\n");
-  return 1;
+  fprintf(stderr, "hard --part K --out DIR, hard --page --out DIR, hard --save DIR, or "
+                  "hard --one FLAW CONTACTS CONDITION MU SEED [SECONDS]\n");
+  return 2;
 }

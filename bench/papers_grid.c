@@ -13,7 +13,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "faces.h"
 
 static const double side = 4, young = 260, poisson = 0.2;
 static const double pressure = 1, traction[2] = {1.8, 5}; /* at the bottom, on top */
@@ -185,66 +186,42 @@ static int grid_loads(grid *g, const shape *s) {
   return 0;
 }
 
-/* P of one direction: nodes x columns, dense, and the cells; all_but_last: of the candidates. */
-static int grid_line(const grid *g, int a, int all_but_last, double *P, double *cell) {
-  const int n = g->nodes[a];
-  double *s = calloc((size_t)(6 * n), sizeof *s), *x = s + n;
-  int *p = calloc((size_t)(6 * n + 1), sizeof *p), *i = p + n + 1, columns = 0;
-  int candidate[1000];
-  dls_error error = {0};
-  int bad = !s || !p || n > 1000;
-  for (int k = 0; k < n && !bad; k++) {
-    s[k] = side * k / (n - 1);
-    candidate[k] = !(all_but_last && k == n - 1);
-  }
-  if (!bad)
-    bad = (g->order == 1
-               ? dls_weighting_line(n, s, candidate, p, i, x, cell, &columns, &error)
-               : dls_weighting_quadratic(n, s, candidate, p, i, x, cell, &columns, &error)) < 0;
-  for (int j = 0; j < columns && !bad; j++)
-    for (int k = p[j]; k < p[j + 1]; k++)
-      P[i[k] + n * j] += x[k];
-  free(s);
-  free(p);
-  return bad ? -1 : columns;
-}
-
-/* Fills candidates, cells and P: the Kronecker product of the lines, or a selection. */
+/* Fills candidates, cells and P: that of the faces, or a selection. The last node of each row along
+ * x is held. */
 static int grid_weighting(grid *g, const shape *s, int weighted, double mu) {
-  const int nx = g->nodes[0], ny = g->d == 3 ? g->nodes[1] : 1, columns = nx - 1;
-  const size_t count = (size_t)columns * (size_t)ny, room = 25 * count;
-  double *X = calloc((size_t)(nx * nx + ny * ny + 2 * (nx + ny)), sizeof *X), *Y = X + nx * nx;
-  double *of_x = Y + ny * ny, *of_y = of_x + nx;
-  g->P.p = calloc(count + 1, sizeof *g->P.p);
-  g->P.i = calloc(room, sizeof *g->P.i);
-  g->P.x = calloc(room, sizeof *g->P.x);
-  g->area = calloc(count, sizeof *g->area);
+  const int nx = g->nodes[0], ny = g->d == 3 ? g->nodes[1] : 1;
+  const size_t count = (size_t)(nx - 1) * (size_t)ny, nodes = (size_t)g->line;
+  double *at = calloc((size_t)(nx + ny), sizeof *at);
+  int *candidate = calloc((size_t)nx, sizeof *candidate);
+  g->P.p = calloc(nodes + 1, sizeof *g->P.p);
+  g->P.i = calloc(16 * nodes, sizeof *g->P.i);
+  g->P.x = calloc(16 * nodes, sizeof *g->P.x);
+  g->area = calloc(nodes, sizeof *g->area);
   g->mu = calloc(count, sizeof *g->mu);
   g->node = calloc(count, sizeof *g->node);
-  int bad = !X || !g->P.p || !g->P.i || !g->P.x || !g->area || !g->mu || !g->node;
-  if (!bad) bad = grid_line(g, 0, 1, X, of_x) < 0;
-  if (!bad && ny > 1) bad = grid_line(g, 1, 0, Y, of_y) < 0;
-  if (!bad && ny == 1) Y[0] = of_y[0] = 1;
-  int e = 0;
-  for (size_t c = 0; c < count && !bad; c++) {
-    const int cx = (int)c % columns, cy = (int)c / columns;
-    g->node[c] = cx + nx * cy;
-    g->mu[c] = mu;
-    g->area[c] = weighted ? of_x[cx] * of_y[cy]
-                          : side_integral(g, s, 0, cx, 1, 1) *
-                                (ny > 1 ? side_integral(g, s, 1, cy, 1, 1) : 1);
-    for (int y = 0; y < ny; y++)
-      for (int x = 0; x < nx; x++) {
-        const double weight = weighted ? X[x + nx * cx] * Y[y + ny * cy] : x == cx && y == cy;
-        if (weight == 0) continue;
-        g->P.i[e] = x + nx * y;
-        g->P.x[e++] = weight;
-        g->least = fmin(g->least, weight);
-      }
-    g->P.p[c + 1] = e;
+  int bad = !at || !candidate || !g->P.p || !g->P.i || !g->P.x || !g->area || !g->mu || !g->node;
+  for (int k = 0; k < nx && !bad; k++) {
+    at[k] = side * k / (nx - 1);
+    candidate[k] = k < nx - 1;
   }
+  for (int k = 1; k < ny && !bad; k++)
+    at[nx + k] = side * k / (ny - 1);
+  for (size_t c = 0; c < count && !bad; c++) {
+    const int cx = (int)c % (nx - 1), cy = (int)c / (nx - 1);
+    g->node[c] = g->P.i[c] = cx + nx * cy;
+    g->mu[c] = mu;
+    g->area[c] = side_integral(g, s, 0, cx, 1, 1) * (ny > 1 ? side_integral(g, s, 1, cy, 1, 1) : 1);
+    g->P.x[c] = 1;
+    g->P.p[c + 1] = (int)c + 1;
+  }
+  const face_line along = {g->order, nx, at, candidate}, across = {g->order, ny, at + nx, NULL};
+  if (weighted && !bad)
+    bad = faces_weighting(&along, &across, g->P.p, g->P.i, g->P.x, g->area) != (int)count;
+  for (int e = 0; !bad && e < g->P.p[count]; e++)
+    g->least = fmin(g->least, g->P.x[e]);
   g->candidates = (int)count;
-  free(X);
+  free(at);
+  free(candidate);
   return bad ? -1 : 0;
 }
 
