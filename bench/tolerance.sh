@@ -11,7 +11,7 @@ trap 'rm -rf "$out"' EXIT
 run() { # name, options
   name=$1
   shift
-  "$build/delassus" scene "$@" --quiet --out "$out/$name" >"$out/log" || cat "$out/log" >&2
+  "$build/delassus" scene "$@" --quiet --out "$out/$name" --no-pictures >"$out/log" || cat "$out/log" >&2
 }
 resultant() { sed -n "s/.*\"resultant_$2\": \([-0-9.e+]*\),*/\1/p" "$out/$1/result.json"; }
 moves() { # name of one, of the other: r_t and r_n are columns 6 and 7 of contact.csv

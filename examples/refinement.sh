@@ -14,7 +14,7 @@ finest=256x128
 
 # rows x, half of the cell, R_N, R_T as densities
 density() { # mesh, option, column of r_t, file
-  "$build/delassus" scene jean-fig3 --mesh "$1" $2 --tol 1e-14 --out "$results/run" > /dev/null
+  "$build/delassus" scene jean-fig3 --mesh "$1" $2 --tol 1e-14 --out "$results/run" --no-pictures > /dev/null
   awk -F, -v k="$3" 'NR > 1 { print $2, $11 / 2, $(k + 1) / $11, $k / $11 }' "$results/run/contact.csv" > "$4"
 }
 

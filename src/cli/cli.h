@@ -209,6 +209,12 @@ int wrong_names(const char *name);
   "  -q, --quiet           print the last line only, and what another option asks for\n"           \
   "  -h, --help            this text\n"
 
+/* Of the commands whose --out writes pictures that may be left out. */
+enum { KEY_NO_PICTURES = 901 }; /* no letter */
+#define PICTURE_OPTION FLAG("no-pictures", KEY_NO_PICTURES)
+#define PICTURE_USAGE                                                                              \
+  "      --no-pictures     --out: write data and scripts of the pictures, do not run gnuplot\n"
+
 /* Take --quiet, --verbose and --json; return 0 for another key. Key 0 forgets all three. */
 int take_loudness(int key);
 int is_quiet(void);
@@ -518,9 +524,12 @@ int close_series(dls_fe_series *series);
  * a complaint. */
 FILE *open_script(const char *directory, const char *name);
 
+/* Sets if draw_script runs gnuplot, as it does at first. */
+void draw_pictures(int on);
+
 /* Ends the script that begin_pictures has begun, and draws NAME.png and NAME.svg. Returns 2 if they
- * are there, 1 if gnuplot has not drawn them (it complains of the first), 0 if the script could not
- * be written. Data and script are kept. */
+ * are there, 1 if gnuplot has not drawn them (it complains of the first) or was not asked to, 0 if
+ * the script could not be written. Data and script are kept. */
 int draw_script(FILE *script, const char *directory, const char *name);
 
 /* Begins the loop of a script that draws NAME.png and NAME.svg; the caller writes the plot and

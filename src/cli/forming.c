@@ -56,7 +56,8 @@ static void forming_usage(FILE *out) {
       "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
       "                        that reaches displacement D\n"
       "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
-      "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE "\n"
+      "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n" PICTURE_USAGE
+          LAST_USAGE "\n"
       "A run ends early, with exit status 1, if the next step cannot be solved or leaves no body: "
       "a\n"
       "corner of an element inside out, a node inside a tool, a boundary that crosses itself, "
@@ -412,6 +413,7 @@ int command_forming(int argc, char **argv) {
       ROW(A_NUMBER, "tol", 't', forming_options, settings.tol),
       VALUE("at", KEY_AT),
       ROW(A_TEXT, "out", 'o', forming_options, out),
+      PICTURE_OPTION,
       ROW(A_NUMBER, "penalty", 0, forming_options, settings.penalty),
       ROW(A_COUNT, "augmentations", 0, forming_options, settings.augmentations),
       ROW(A_NUMBER, "relaxation", 0, forming_options, settings.relaxation),

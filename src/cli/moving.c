@@ -47,9 +47,10 @@ static void moving_usage(FILE *out) {
     fprintf(out, "  %-13s %s\n", dls_moving_name(k), dls_moving_description(k));
   fputs("\n", out);
   moving_usage_options(out);
-  fputs("  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE
-        "\nCtrl-C ends the run after the step; what was computed is written.\n",
-        out);
+  fputs(
+      "  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n" PICTURE_USAGE
+          LAST_USAGE "\nCtrl-C ends the run after the step; what was computed is written.\n",
+      out);
 }
 
 /* ---- options --------------------------------------------------------------------------------- */
@@ -378,7 +379,8 @@ static taken take_moving_option(int key, const char *text, void *data) {
 
 int command_moving(int argc, char **argv) {
   static const option_row options[] = {MOVING_OPTIONS(moving_options, settings),
-                                       ROW(A_TEXT, "out", 'o', moving_options, out), LAST_OPTIONS};
+                                       ROW(A_TEXT, "out", 'o', moving_options, out), PICTURE_OPTION,
+                                       LAST_OPTIONS};
   static const command moving = {options, moving_usage, take_moving_option, 1};
   moving_options o = {0};
   dls_moving_settings_init(&o.settings);

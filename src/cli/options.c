@@ -41,6 +41,7 @@ static taken take_row(const command *c, const option_row *row, const char *text,
   void *to = (char *)data + row->at;
   if (row->key == 'h') return OPTION_HELP;
   if (row->key && take_loudness(row->key)) return OPTION_TAKEN;
+  if (row->key == KEY_NO_PICTURES) return draw_pictures(0), OPTION_TAKEN;
   switch (row->kind) {
   case A_FLAG:
     return *(int *)to = 1, OPTION_TAKEN;
@@ -61,6 +62,7 @@ int take_options(int argc, char **argv, const command *c, void *data) {
   struct option rows[MOST_OPTIONS + 1] = {{0}};
   char keys[2 * MOST_OPTIONS + 2] = ":"; /* no words of getopt */
   (void)take_loudness(0);
+  draw_pictures(1);
   for (int k = 0; c->options[k].name && k < MOST_OPTIONS; k++) {
     const option_row *row = &c->options[k];
     const char letter[] = {(char)row->key, row->has_value ? ':' : '\0', '\0'};

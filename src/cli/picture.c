@@ -157,9 +157,16 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
           width, height, width, height, name);
 }
 
+static int no_pictures;
+
+void draw_pictures(int on) {
+  no_pictures = !on;
+}
+
 int draw_script(FILE *script, const char *directory, const char *name) {
   fputs("\n  unset multiplot\n  unset output\n}\n", script);
-  return close_file(script, name) ? 1 + run_gnuplot(directory, name) : 0;
+  if (!close_file(script, name)) return 0;
+  return no_pictures ? 1 : 1 + run_gnuplot(directory, name);
 }
 
 static double largest_pair(const double *v, int n) {

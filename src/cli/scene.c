@@ -51,7 +51,8 @@ static void scene_usage(FILE *out) {
       "                        (5e8,9e8,25e8; 5e8,5e8)\n"
       "      --order=HOW       order of the loads: together (default), top-first or side-first\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
-      "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
+      "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), "
+      "pictures\n" PICTURE_USAGE
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
       "      --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN,\n"
       "                        equivalent RT, RN)\n"
@@ -585,6 +586,7 @@ int command_scene(int argc, char **argv) {
                                        VALUE("order", KEY_ORDER),
                                        ROW(A_FLAG, "weighted", 'w', scene_options, weighted),
                                        ROW(A_TEXT, "out", 'o', scene_options, out),
+                                       PICTURE_OPTION,
                                        ROW(A_TEXT, "save", 's', scene_options, save),
                                        ROW(A_TEXT, "reference", 0, scene_options, reference),
                                        FLAG("list", KEY_LIST),

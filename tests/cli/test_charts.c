@@ -179,6 +179,41 @@ START_TEST(without_gnuplot) {
 }
 END_TEST
 
+/* --no-pictures: the same tables and scripts, and gnuplot is not looked for. */
+START_TEST(no_pictures_are_asked_for) {
+  static const char *const scenes[] = {"jean-fig3 --mesh 4x4", "bar-impact --mesh 6 --steps 6",
+                                       "indentation --mesh 6x4 --steps 2"};
+  static const char *const tables[] = {"contact.csv", "energy.csv", "contact.csv"};
+  static const char *const scripts[] = {"deformed.gp", "energy.gp", "force.gp"};
+  NEEDS_MUMPS;
+  char arguments[200], name[80], path[4000];
+  static char drawn[100000], script[100000];
+  (void)snprintf(path, sizeof path, "%s", getenv("PATH"));
+  for (int without = 0; without < 2; without++) {
+    (void)snprintf(arguments, sizeof arguments, "scene %s --out @/%d%s", scenes[_i], without,
+                   without ? " --no-pictures" : "");
+    ck_assert_int_eq(setenv("PATH", "/no/such/place", 1), 0);
+    const int status = run(arguments);
+    ck_assert_int_eq(setenv("PATH", path, 1), 0);
+    ck_assert_msg(status == 0, "%s: %d: %s", arguments, status, output);
+    ck_assert_int_eq(count_of(output, "install gnuplot"), !without);
+  }
+  (void)snprintf(name, sizeof name, "0/%s", tables[_i]);
+  (void)snprintf(drawn, sizeof drawn, "%s", contents(name));
+  (void)snprintf(name, sizeof name, "0/%s", scripts[_i]);
+  (void)snprintf(script, sizeof script, "%s", contents(name));
+  ck_assert(count_of(drawn, "\n") > 3 && count_of(script, "plot") > 0);
+  (void)snprintf(name, sizeof name, "1/%s", tables[_i]);
+  ck_assert_str_eq(contents(name), drawn);
+  (void)snprintf(name, sizeof name, "1/%s", scripts[_i]);
+  ck_assert_str_eq(contents(name), script);
+  /* where there is gnuplot, too */
+  ck_assert_int_eq(run(arguments), 0);
+  (void)snprintf(arguments, sizeof arguments, "ls %s/1 | grep -q -e png -e svg", directory);
+  ck_assert_int_ne(system(arguments), 0);
+}
+END_TEST
+
 /* ---- map ------------------------------------------------------------------------------------- */
 
 START_TEST(map_of_friction) {
@@ -472,9 +507,9 @@ int main(void) {
       ONCE(chart_proves_its_reference), ONCE(info_maps_what_reactions_depend_on),
       ONCE(chart_names_the_method_and_writes_its_files), ONCE(rank_deficient_is_measured_in_u),
       ONCE(several_answers_are_told), ONCE(chart_is_1_where_auto_fails), ONCE(without_gnuplot),
-      ONCE(map_of_friction), ONCE(map_of_a_wedge_that_jams), ONCE(map_of_problems),
-      ONCE(map_against_rank), ONCE(map_of_a_scene_in_steps), ONCE(map_of_meshes_that_fold),
-      ONCE(map_of_bodies_that_move), ONCE(limits_are_no_verdicts),
+      EACH(no_pictures_are_asked_for, 0, 3), ONCE(map_of_friction), ONCE(map_of_a_wedge_that_jams),
+      ONCE(map_of_problems), ONCE(map_against_rank), ONCE(map_of_a_scene_in_steps),
+      ONCE(map_of_meshes_that_fold), ONCE(map_of_bodies_that_move), ONCE(limits_are_no_verdicts),
       ONCE(steps_and_matrices_are_problems), ONCE(matrices_are_problems), ONCE(lcps_are_skipped),
       ONCE(interrupted_map_is_drawn), ONCE(profile_counts), ONCE(portfolio_counts),
       ONCE(solve_plots_its_history), ONCE(a_new_folder_each_time), ONCE(wrong_use_is_2));
