@@ -352,7 +352,10 @@ int main(int argc, char **argv) {
     first = 3;
   }
   const int count = argc - first, price = count > 0 && !strcmp(argv[first], "--price");
-  if (count < 1 || count > most_files || (price ? count > 2 : argv[first][0] == '-'))
+  int bad = count < 1 || count > most_files || (price && count > 2);
+  for (int k = first + price; k < argc; k++)
+    bad |= argv[k][0] == '-';
+  if (bad)
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
                     "--unique NAME... | --total [SEED] | --nu NU SEED");
   FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)

@@ -232,7 +232,8 @@ static void time_blocks(FILE *page, int d, int nc, int per_column) {
 
 int main(int argc, char **argv) {
   const int rows[] = {126, 504, 1002, 2004, 4002};
-  const char *directory = argc == 3 && !strcmp(argv[1], "--out") ? argv[2] : "bench/results";
+  if (!bench_options(argc, argv, "[--out DIR]")) return 2;
+  const char *directory = argc > 2 ? argv[argc - 1] : "bench/results";
   FILE *page = bench_page(directory, "blocks", "W dense and by blocks", argc, argv);
   if (!page) return 1;
   bench_print(page, "Dense: times over dgemv's on the same W.\n\n"

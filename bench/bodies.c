@@ -288,6 +288,10 @@ static void draw(const plan *p, const char *name, const dls_contact *problem, do
 /* ---- the page -------------------------------------------------------------------------------- */
 
 static int read_options(int argc, char **argv, plan *p, const char **out) {
+  if (!bench_options(argc, argv,
+                     "[--kind KIND] [--sizes N,N..] [--seed SEED] [--dense N] [--sweeps N] "
+                     "[--rounds N] [--socket GFLOPS] [--out DIR]"))
+    return -1;
   for (int k = 1; k + 1 < argc; k += 2) {
     char *value = argv[k + 1];
     if (strcmp(argv[k], "--kind") == 0)
@@ -307,10 +311,6 @@ static int read_options(int argc, char **argv, plan *p, const char **out) {
     else if (strcmp(argv[k], "--sizes") == 0)
       for (p->size_count = 0; *value && p->size_count < most_sizes; value += *value == ',')
         p->sizes[p->size_count++] = (int)strtol(value, &value, 10);
-    else {
-      fprintf(stderr, "bodies: unknown option %s\n", argv[k]);
-      return -1;
-    }
   }
   return p->sweeps > 0 && p->rounds > 0 ? 0 : -1;
 }

@@ -1,6 +1,7 @@
-/* common.c: clock, medians, child processes and pages of results, as common.h describes them. */
+/* common.c: clock, medians, child processes, options, pages of results, as common.h says. */
 #include "common.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -58,6 +59,31 @@ int bench_child(void (*work)(void *data), void *data) {
   if (child < 0 || ended != child) return -1;
   if (WIFSIGNALED(status)) return WTERMSIG(status);
   return WIFEXITED(status) && WEXITSTATUS(status) == child_done ? 0 : -1;
+}
+
+/* Returns what follows the option in the usage; NULL if the usage does not have it. */
+static const char *behind_option(const char *usage, const char *option) {
+  const size_t length = strlen(option);
+  for (const char *at = usage; (at = strstr(at, option)); at += length)
+    if ((at == usage || strchr(" [", at[-1])) && strchr(" ]", at[length])) return at + length;
+  return NULL;
+}
+
+int bench_options(int argc, char *const *argv, const char *usage) {
+  const size_t length = strcspn(usage, " ");
+  int good = 1, missing = usage[0] == '-';
+  for (int k = 1; k < argc && good; k++) {
+    if (strncmp(argv[k], usage, length) == 0 && !argv[k][length]) missing = 0;
+    if (argv[k][0] != '-') {
+      good = strstr(usage, "...") != NULL;
+      continue;
+    }
+    const char *behind = behind_option(usage, argv[k]);
+    good = behind && (!isupper((unsigned char)behind[strspn(behind, " ")]) || ++k < argc);
+  }
+  if (good && !missing) return 1;
+  fprintf(stderr, "usage: %s %s\n", argv[0], usage);
+  return 0;
 }
 
 FILE *bench_open(const char *directory, const char *name) {

@@ -1,6 +1,6 @@
 /*
  * common.h: shared by the benchmark programs: clock, random numbers, medians, child processes,
- * pages of results.
+ * options, pages of results.
  */
 #ifndef BENCH_COMMON_H
 #define BENCH_COMMON_H
@@ -25,6 +25,11 @@ void *bench_shared(size_t bytes);
 /* Runs work(data) in a child process. Returns 0 if it came to its end, the number of the signal
  * that ended it, or -1 if it left by exit() or could not be started. */
 int bench_child(void (*work)(void *data), void *data);
+
+/* Checks all arguments before a page is opened. usage: the options, "--out DIR [--large]", a word
+ * in capitals for a value. An option that begins the usage must be given; "..." allows other words.
+ * Returns 1; or 0 after the usage on stderr, and main returns 2. */
+int bench_options(int argc, char *const *argv, const char *usage);
 
 /* Opens DIRECTORY/NAME.md and writes its head: the title, the command (make bench-<program> with
  * the options in argv, --out apart, as BENCH) and the kind of machine. NULL after a message. */

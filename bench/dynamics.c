@@ -128,6 +128,10 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
 }
 
 static int dynamics_read(int argc, char **argv, plan *p, const char **out) {
+  if (!bench_options(argc, argv,
+                     "[--kind KIND] [--sizes N,N..] [--large] [--tol TOL] [--limit SECONDS] "
+                     "[--steps N] [--out DIR]"))
+    return -1;
   for (int k = 1; k < argc; k++) {
     const char *value = k + 1 < argc ? argv[k + 1] : "";
     if (strcmp(argv[k], "--large") == 0) {
@@ -148,9 +152,6 @@ static int dynamics_read(int argc, char **argv, plan *p, const char **out) {
       char *next = argv[k + 1];
       for (p->size_count = 0; next && *next && p->size_count < most_sizes - 1; next += *next == ',')
         p->sizes[p->size_count++] = (int)strtol(next, &next, 10);
-    } else {
-      fprintf(stderr, "dynamics: unknown option %s\n", argv[k]);
-      return -1;
     }
     k++;
   }

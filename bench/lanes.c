@@ -73,6 +73,9 @@ static void lanes_compare(const plan *p, const char *kind, const char *storage,
 }
 
 static int lanes_options(int argc, char **argv, plan *p, const char **out) {
+  if (!bench_options(argc, argv,
+                     "[--sizes N,N..] [--seed SEED] [--sweeps N] [--rounds N] [--out DIR]"))
+    return -1;
   for (int k = 1; k + 1 < argc; k += 2) {
     char *value = argv[k + 1];
     if (strcmp(argv[k], "--seed") == 0)
@@ -86,10 +89,6 @@ static int lanes_options(int argc, char **argv, plan *p, const char **out) {
     else if (strcmp(argv[k], "--sizes") == 0)
       for (p->size_count = 0; *value && p->size_count < most_sizes; value += *value == ',')
         p->sizes[p->size_count++] = (int)strtol(value, &value, 10);
-    else {
-      fprintf(stderr, "lanes: unknown option %s\n", argv[k]);
-      return -1;
-    }
   }
   return p->sweeps > 0 && p->rounds > 0 ? 0 : -1;
 }

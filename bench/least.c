@@ -164,8 +164,9 @@ static void judge_arch(int bodies, least_set *set) {
 int main(int argc, char **argv) {
   static least_set set[sets] = {
       {.name = "tables"}, {.name = "arches"}, {.name = "walls"}, {.name = "FCLIB"}};
-  const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 1;
+  if (!bench_options(argc, argv, "--out DIR [FCLIB...]")) return 2;
+  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
+  if (!out) return 2;
   for (int legs = 4; legs <= 32; legs++)
     judge_table(legs, &set[0]);
   for (int bodies = 6; bodies <= 60; bodies += 6)

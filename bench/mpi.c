@@ -80,6 +80,7 @@ static void load(int nodes, double *g, double *mu) {
 
 int main(int argc, char **argv) {
   box b;
+  if (!bench_options(argc, argv, "[CELLS [rows]...]")) return 2;
   (void)MPI_Init(&argc, &argv);
   const int cells = argc > 1 ? atoi(argv[1]) : 10;
   if (box_create(&b, 3, cells, 0)) MPI_Abort(MPI_COMM_WORLD, 1);

@@ -63,6 +63,7 @@ static double most_of(double mine) {
 int main(int argc, char **argv) {
   box b;
   int rank;
+  if (!bench_options(argc, argv, "[CELLS [HEIGHT [rows]]...]")) return 2;
   (void)MPI_Init(&argc, &argv);
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   const int cells = argc > 1 ? atoi(argv[1]) : 20, height = argc > 2 ? atoi(argv[2]) : 3;

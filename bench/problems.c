@@ -38,6 +38,8 @@ int main(int argc, char **argv) {
     fputs("usage: problems DIR NAME... | problems --list\n", stderr);
     return 2;
   } else {
+    for (int k = 1; k < argc; k++)
+      if (argv[k][0] == '-') return fprintf(stderr, "problems: %s: is no name\n", argv[k]), 2;
     w.names = argv + 2;
     w.count = argc - 2;
   }

@@ -80,8 +80,9 @@ int main(int argc, char **argv) {
   static prove_set set[sets] = {{.name = "random"},         {.name = "random, 50 to 500 contacts"},
                                 {.name = "FCLIB"},          {.name = "Jean's block"},
                                 {.name = "elastic blocks"}, {.name = "elastic cubes"}};
-  const char *out = argc >= 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 1;
+  if (!bench_options(argc, argv, "--out DIR [FCLIB [FILES...]]")) return 2;
+  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
+  if (!out) return 2;
   for (int k = 0; k < randoms; k++)
     if (scenes_random(k, 0, prove_scene, &set[0])) return 1;
   for (int k = 0; k < 36; k++)

@@ -158,6 +158,7 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
 }
 
 int main(int argc, char **argv) {
+  if (!bench_options(argc, argv, "[--out DIR] [--cpu SECONDS] [--scene NAME]")) return 2;
   const char *out = "bench/results", *only[16];
   int count = 0;
   double cpu = 33;

@@ -204,6 +204,11 @@ static void run_kind(const plan *p, const char *kind, source of) {
 }
 
 static int read_options(int argc, char **argv, plan *p, const char **out) {
+  if (!bench_options(argc, argv,
+                     "[--kind KIND] [--sizes N,N..] [--tol TOL] [--seed SEED] [--seeds N] "
+                     "[--mu MU] [--limit SECONDS] [--only METHOD] [--no-peer] [--bodies] "
+                     "[--out DIR]"))
+    return -1;
   for (int k = 1; k < argc; k++) {
     const char *value = k + 1 < argc ? argv[k + 1] : "";
     const int bodies = strcmp(argv[k], "--bodies") == 0;
@@ -232,9 +237,6 @@ static int read_options(int argc, char **argv, plan *p, const char **out) {
       char *next = argv[k + 1];
       for (p->size_count = 0; next && *next && p->size_count < most_sizes; next += *next == ',')
         p->sizes[p->size_count++] = (int)strtol(next, &next, 10);
-    } else {
-      fprintf(stderr, "scale: unknown option %s\n", argv[k]);
-      return -1;
     }
     k++;
   }

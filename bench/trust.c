@@ -207,8 +207,9 @@ static int judge_texts(const char *directory, trust_table *t) {
 int main(int argc, char **argv) {
   static trust_table t;
   static double share[most_scenes];
-  const char *out = argc == 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out || judge_texts("data/failures", &t) || scenes_files("data/fclib", judge_scene, &t) ||
+  if (!bench_options(argc, argv, "--out DIR")) return 2;
+  const char *out = argv[argc - 1];
+  if (judge_texts("data/failures", &t) || scenes_files("data/fclib", judge_scene, &t) ||
       scenes_blocks(0, judge_scene, &t) || scenes_cubes(0, judge_scene, &t))
     return 1;
   trust_tally tally = {0};

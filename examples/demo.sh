@@ -8,7 +8,7 @@ build=$1
 export OPENBLAS_NUM_THREADS=1
 results=$build/demo
 rm -rf "$results"
-line=================================================================================================
+line='================================================================================================'
 
 # gauss-seidel works on the displacements, where weighted reactions couple the contact nodes
 methods() {

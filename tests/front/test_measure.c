@@ -1,7 +1,9 @@
-/* test_measure.c: the rule by which bench/ counts solves (bench/solvers_call.c). */
+/* test_measure.c: the rule by which bench/ counts solves (bench/solvers_call.c), and the check of
+ * its options (bench/common.c). */
 #include <check.h>
 #include <math.h>
 
+#include "../../bench/common.h"
 #include "../../bench/solvers.h"
 #include "run.h"
 
@@ -28,6 +30,51 @@ START_TEST(answers_that_hold) {
 }
 END_TEST
 
+/* Options and values that a usage has pass; all others are refused, wherever they stand. */
+START_TEST(options_of_a_bench) {
+  static const char may[] = "[--out DIR] [--large] [--sizes N,N..]";
+  static const char must[] = "--out DIR [--only WORD]", names[] = "--out DIR [FILE...]";
+  static const struct {
+    const char *usage;
+    int good;
+    char *argument[5];
+  } rows[] = {
+      {may, 1, {0}},
+      {may, 1, {"--out", "a"}},
+      {may, 1, {"--large", "--sizes", "1,2", "--out", "a"}},
+      {may, 1, {"--out", "a", "--large"}},
+      {may, 0, {"--help"}},
+      {may, 0, {"-h"}},
+      {may, 0, {"-"}},
+      {may, 0, {"a"}},
+      {may, 0, {""}},
+      {may, 0, {"--out"}},
+      {may, 0, {"--ou", "a"}},
+      {may, 0, {"--outer", "a"}},
+      {may, 0, {"--nonsense", "--out", "a"}},
+      {may, 0, {"--out", "a", "--nonsense"}},
+      {may, 0, {"--large", "yes"}},
+      {may, 0, {"[--out", "a"}},
+      {must, 1, {"--out", "a"}},
+      {must, 1, {"--only", "b", "--out", "a"}},
+      {must, 0, {0}},
+      {must, 0, {"--only", "b"}},
+      {must, 0, {"--out", "a", "b"}},
+      {names, 1, {"--out", "a", "b", "c"}},
+      {names, 0, {"b", "c"}},
+      {names, 0, {"--out", "a", "b", "--nonsense"}},
+  };
+  for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+    char *argv[7] = {"bench"};
+    int argc = 1;
+    for (; argc <= 5 && rows[k].argument[argc - 1]; argc++)
+      argv[argc] = rows[k].argument[argc - 1];
+    ck_assert_msg(bench_options(argc, argv, rows[k].usage) == rows[k].good, "row %zu: %s", k,
+                  rows[k].usage);
+  }
+}
+END_TEST
+
 int main(void) {
-  return RUN("measure", NULL, NULL, EACH(answers_that_hold, 0, 6));
+  return RUN("measure", NULL, NULL, EACH(answers_that_hold, 0, 6), ONCE(options_of_a_bench));
 }
