@@ -8,6 +8,7 @@
 
 enum { REPEATS = 3 };
 static const double short_run = 0.05; /* CPU seconds: a shorter run is timed again */
+static const double rounding = 1e-12; /* of the energies: less work than that is none */
 
 /* What stands for the answer of a scene. */
 static const struct {
@@ -199,7 +200,8 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
     if (!status && d.step < d.steps && cpu_seconds() - start > limit) status = DLS_TIME_LIMIT;
   }
   out->status = status;
-  out->value = s->dynamic ? d.impulse[0] : fabs(d.energy.friction);
+  const double work = fabs(d.energy.friction);
+  out->value = s->dynamic ? d.impulse[0] : work > rounding * d.energy.scale ? work : 0;
   out->part = (double)d.step / d.steps;
   if (d.has_exact) out->gap = d.gap_error;
   dls_moving_destroy(moving);

@@ -212,7 +212,8 @@ static void solver_take_map(dls_solver *solver, const dls_contact *problem) {
 static void solver_remember(dls_solver *solver, const dls_contact *problem, const double *r) {
   solver->last_nc = problem->nc;
   solver->mapped = -1;
-  memcpy(solver->last, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+  if (problem->nc > 0)
+    memcpy(solver->last, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
 }
 
 /* Solves a problem that has been checked. */

@@ -278,21 +278,43 @@ START_TEST(map_of_meshes_that_fold) {
 }
 END_TEST
 
-/* Without friction the upper of two blocks slides off; 0.3 keeps it. */
+/* Without friction the upper of two blocks slides off; friction 1 keeps it at its place. */
 START_TEST(map_of_bodies_that_move) {
-  ck_assert_int_eq(run("map two-blocks --rows 2 --mu 0:0.3 -o @"), 1);
+  ck_assert_int_eq(run("map two-blocks --rows 2 --mu 0:1 -o @"), 1);
   const char *csv = contents("map.csv");
   ck_assert_int_eq(count_of(csv, "\n"), 1 + 2 * 6);
   ck_assert_int_eq(count_of(csv, "\n0,"), 6);
   ck_assert_int_eq(count_of(csv, ",proved none,0."), 6);
-  ck_assert_int_eq(count_of(csv, "\n0.3,"), 6);
+  ck_assert_int_eq(count_of(csv, "\n1,"), 6);
   ck_assert_int_eq(count_of(csv, ",solved,1.0000,"), 6);
-  ck_assert_int_eq(count_of(csv, ",40,"), 2); /* the scene's own steps */
+  ck_assert_int_eq(count_of(csv, ",40,"), 2);           /* the scene's own steps */
+  ck_assert_int_ge(count_of(csv, ",0,0.000e+00\n"), 4); /* stuck: no work of friction */
   ck_assert_int_eq(count_of(contents("map.dat"), "proved none"), 6);
   ck_assert_int_eq(count_of(contents("map.gp"), "set xlabel 'steps of the whole time, 2'"), 1);
   ck_assert_int_eq(run("map bar-impact --against mesh --rows 1 --mu 0:1 -m nlgs -o @/m"), 0);
   ck_assert_int_eq(count_of(contents("m/map.csv"), ",100,solved,"), 1);
   ck_assert_int_eq(run("map block-drop --rows 1 --mu 0.1:1 --limit 10 -o @/b"), 0);
+}
+END_TEST
+
+/* A run that finishes with few steps is no right answer: each cell says how far its force is from
+ * that of the most steps. */
+START_TEST(map_tells_how_far_a_run_is_off) {
+  ck_assert_int_eq(run("map indentation --rows 1 --mu 0.1:1 --limit 10 -o @"), 0);
+  const char *at = contents("map.csv");
+  double off[6];
+  double force[6];
+  ck_assert_int_eq(count_of(at, ",solved,1.0000,"), 6);
+  for (int k = 0; k < 6; k++) {
+    at = strstr(at + 1, ",solved,1.0000,");
+    ck_assert_int_eq(sscanf(at, ",solved,1.0000,%*f,%lf,%lf", &force[k], &off[k]), 2);
+  }
+  for (int k = 0; k < 6; k++)
+    ck_assert_double_eq_tol(off[k], fabs(force[k] / force[5] - 1), 1e-3 * off[k] + 1e-8);
+  ck_assert_double_eq(off[5], 0);
+  ck_assert(off[0] > 5e-3 && off[4] < 2e-3 && off[0] > off[3] && off[3] > off[4]);
+  ck_assert_int_eq(count_of(contents("map.dat"), " s, finest\""), 1);
+  ck_assert_int_ge(count_of(contents("map.dat"), " %\""), 5);
 }
 END_TEST
 
@@ -509,7 +531,8 @@ int main(void) {
       ONCE(several_answers_are_told), ONCE(chart_is_1_where_auto_fails), ONCE(without_gnuplot),
       EACH(no_pictures_are_asked_for, 0, 3), ONCE(map_of_friction), ONCE(map_of_a_wedge_that_jams),
       ONCE(map_of_problems), ONCE(map_against_rank), ONCE(map_of_a_scene_in_steps),
-      ONCE(map_of_meshes_that_fold), ONCE(map_of_bodies_that_move), ONCE(limits_are_no_verdicts),
+      ONCE(map_of_meshes_that_fold), ONCE(map_of_bodies_that_move),
+      ONCE(map_tells_how_far_a_run_is_off), ONCE(limits_are_no_verdicts),
       ONCE(steps_and_matrices_are_problems), ONCE(matrices_are_problems), ONCE(lcps_are_skipped),
       ONCE(interrupted_map_is_drawn), ONCE(profile_counts), ONCE(portfolio_counts),
       ONCE(solve_plots_its_history), ONCE(a_new_folder_each_time), ONCE(wrong_use_is_2));

@@ -230,11 +230,11 @@ static void expect_files(const char *const *arguments, const char *picture, cons
 
 /* A report tells its page, which is as well formed as its pictures. */
 static void expect_page(const char *name) {
-  char page[name_room + 20];
+  char page[220];
   const char *const report[] = {"report", "--cpu=0.2", "--out=r", name, NULL};
   expect_plain_run(report);
   const char *told = strstr(text, "\npage: ");
-  ck_assert_msg(told && sscanf(told, "\npage: %300[^\n]", page) == 1, "%s", text);
+  ck_assert_msg(told && sscanf(told, "\npage: %219[^\n]", page) == 1, "%s", text);
   ck_assert(read_there(page));
   expect_plain(page, 1);
   ck_assert_msg(strstr(text, "</html>") != NULL, "%s: has no end", page);

@@ -86,7 +86,11 @@ static const struct {
      0,
      {"impulse of the wall within 1 %", "mesh and steps * 2", "lumped mass", "== Motion",
       "of the closed form", "delassus scene --mesh="}},
+#ifdef __SANITIZE_ADDRESS__ /* takes three times as long */
+    {"report extrusion --quick --cpu 24 --accuracy 0.1 --text -o @",
+#else
     {"report extrusion --quick --cpu 8 --accuracy 0.1 --text -o @",
+#endif
      "extrusion.html",
      0,
      {"force on the ram within 10 %", "penalty, factor 1000", "penalty, factor 2000", "mesh * 2"}},

@@ -339,7 +339,6 @@ END_TEST
 static void solids_on_K(int kind, solids *S) {
   if (kind == 0) solids_pad(S, 30, 3);
   if (kind > 0) solids_stack(S, 2, 3, 2, kind == 1 ? 0.5 : 1.1);
-  (void)solids_model(S);
 }
 
 /* Makes, updates and solves the problem on K. r: m + n, x behind r. Returns the status. */
