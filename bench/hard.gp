@@ -14,7 +14,7 @@ colours = '#0072b2 #f0e442 #cc79a7 #e69f00 #882255 #bbbbbb #f4f4f4'
 row(x) = x < 1e-9 ? 0 : x < 0.5 ? 1 : x < 1.5 ? 2 : x < 3 ? 3 : 4
 column_of(x) = log10(x) / 2
 is(f, m, e) = column(2) == contacts && column(1) == f && column(6) == m && column(7) == e ? 1 : NaN
-set terminal pngcairo size 1200,1640 font ',11'
+set terminal pngcairo size 1200,1200 font ',11'
 set output picture
 set multiplot
 set border lw 0.5
@@ -35,7 +35,7 @@ do for [m=0:9] {
     if (m == 9) { set xtics ('1' 0, '10^2' 1, '10^4' 2, '10^6' 3, '10^8' 4); set xlabel 'condition of W' offset 0,0.3 }
     set ytics ('' 0, '' 1, '' 2, '' 3, '' 4)
     set ylabel ''
-    if (f == 0) { set ytics ('0' 0, '0.3' 1, '1' 2, '2' 3, '5' 4); set ylabel 'friction' offset 1.5,0 }
+    if (f == 0) { set ytics ('0' 0, '0.3' 1, '1' 2, '2' 3, '5' 4); set ylabel 'friction' offset 0.5,0 }
     unset label
     if (f == 0) { set label word(methods, m + 1) at screen 0.01, screen (top(m) - 0.037) }
     plot for [e=0:6] data using (column_of($3) + 0.24 * ($5 - 3)):(row($4) * is(f, m, e)):(0.22):(0.46) \
