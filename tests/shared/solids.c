@@ -156,6 +156,9 @@ const dls_model *solids_model(solids *S) {
   S->K.rows = S->K.cols = S->N.rows = S->T.rows = n;
   S->N.cols = S->contacts;
   S->T.cols = (S->d - 1) * S->contacts;
+  dlsi_columns_free(&S->Kc); /* of an earlier call */
+  dlsi_columns_free(&S->Nc);
+  dlsi_columns_free(&S->Tc);
   ck_assert(!dlsi_columns_compress(&S->K, 1, DLSI_ALL, &S->Kc, NULL));
   ck_assert(!dlsi_columns_compress(&S->N, 1, DLSI_ALL, &S->Nc, NULL));
   ck_assert(!dlsi_columns_compress(&S->T, 1, DLSI_ALL, &S->Tc, NULL));

@@ -36,7 +36,7 @@ void solids_spring(solids *S, int node, int k, double stiffness);
  * tangents follow. gap: along the normal. */
 void solids_contact(solids *S, int node, int other, const double *normal, double gap);
 
-/* Compresses and returns the model. */
+/* Compresses and returns the model; again after more was added. */
 const dls_model *solids_model(solids *S);
 
 /* The strip of nx x ny squares on a rough floor, clamped at its right end, between soft pads:
