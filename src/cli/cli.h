@@ -25,7 +25,6 @@ int command_chart(int argc, char **argv);
 int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_moving(int argc, char **argv);
-int command_converge(int argc, char **argv);
 int command_report(int argc, char **argv);
 
 enum { PATH_ROOM = 4096 }; /* of a path */
@@ -589,11 +588,9 @@ taken take_moving_setting(int key, const char *text, dls_moving_settings *settin
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_moving_step(const dls_moving_data *data);
 
-/* Draw energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data, and
- * converge.* with the line factor h^order beside converge.csv (moving_picture.c); EXIT_SOLVED, or
- * EXIT_BAD_INPUT after a complaint. */
+/* Draws energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data
+ * (moving_picture.c); EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_moving(const char *directory, const dls_moving_data *data);
-int draw_convergence(const char *directory, const char *name, double order, double factor);
 
 /* ---- forming.c ------------------------------------------------------------------------------- */
 
