@@ -18,8 +18,8 @@ static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
 typedef struct profile_options {
   source from;
-  int repeat, portfolio;
-  double limit, budget, tol;
+  int repeat;
+  double limit, budget;
   const char *out;
 } profile_options;
 
@@ -35,12 +35,8 @@ static void profile_usage(FILE *out) {
       "  -l, --limit=S         CPU seconds for a solve (0.5), or 30 times the fastest if that is\n"
       "                        more; in need ten times as many\n"
       "  -b, --budget=S        approximate CPU seconds for a problem (6)\n"
-      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is printed)\n"
-      "      --portfolio       instead: the steps of auto, on how many problems each was taken, "
-      "on\n"
-      "                        how many it ended the solve, its CPU; and each step alone: on how\n"
-      "                        many it solves, on how many it is the first to solve. No files\n"
-      "  -t, --tol=T           tolerance of --portfolio (1e-8)\n" LAST_USAGE "\n"
+      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n\n",
       out);
   source_usage(out);
@@ -270,12 +266,10 @@ int command_profile(int argc, char **argv) {
                                        ROW(A_NUMBER, "limit", 'l', profile_options, limit),
                                        ROW(A_NUMBER, "budget", 'b', profile_options, budget),
                                        ROW(A_TEXT, "out", 'o', profile_options, out),
-                                       ROW(A_NUMBER, "tol", 't', profile_options, tol),
-                                       ROW(A_FLAG, "portfolio", 0, profile_options, portfolio),
                                        SOURCE_OPTIONS(profile_options, from),
                                        LAST_OPTIONS};
   static const command profile_command = {options, profile_usage, NULL, 0};
-  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8};
+  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
   int count = argc - optind;
@@ -283,6 +277,5 @@ int command_profile(int argc, char **argv) {
   if (!names) return EXIT_BAD_INPUT;
   watch_interrupt();
   if (!count) return EXIT_SOLVED;
-  return o.portfolio ? run_portfolio(count, names, &o.from, o.tol, o.limit)
-                     : run_profile(count, names, &o);
+  return run_profile(count, names, &o);
 }

@@ -119,7 +119,8 @@ static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *
 
 /* ---- the ladder ------------------------------------------------------------------------------ */
 
-int race_is_too_large(dls_method method, int d, int nc) {
+/* Returns 1 for a problem on which the method would take minutes, or too much memory. */
+static int race_is_too_large(dls_method method, int d, int nc) {
   if (method == DLS_HOMOTOPY) return d * nc > homotopy_rows;
   return method == DLS_LEMKE && (d == 2 ? 4 : 10) * nc > lemke_rows;
 }

@@ -173,7 +173,6 @@ static const char *const spoken[] = {
     "chart jean-fig3 -r 1 -o @/chart",
     "map jean-fig3 --rows 2 -o @/map",
     "profile -r 1 jean-fig3 -o @/profile",
-    "profile --portfolio jean-fig3",
     "map bar-impact --against mesh --rows 1 --mu 0:1 -m nlgs --limit .2 -o @/steps"};
 
 enum { SPOKEN = sizeof spoken / sizeof spoken[0] };
