@@ -20,7 +20,6 @@ int command_scene(int argc, char **argv);
 int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
-int command_tables(int argc, char **argv);
 int command_chart(int argc, char **argv);
 int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);

@@ -12,7 +12,6 @@ static void program_usage(FILE *out) {
         "Solves problems of unilateral contact with Coulomb friction.\n"
         "\n"
         "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
-        "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
         "  delassus solve FILE   solve a problem from a file (FCLIB or text), or of a scene\n"
         "  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU\n"
         "                        solve a problem from the matrices of a host code\n"
@@ -65,9 +64,10 @@ static int run_scene_command(int argc, char **argv) {
 static const struct {
   const char *name;
   int (*run)(int argc, char **argv);
-} commands[] = {{"scene", run_scene_command}, {"tables", command_tables}, {"solve", command_solve},
-                {"info", command_info},       {"chart", command_chart},   {"map", command_map},
-                {"profile", command_profile}, {"report", command_report}};
+} commands[] = {{"scene", run_scene_command}, {"solve", command_solve},
+                {"info", command_info},       {"chart", command_chart},
+                {"map", command_map},         {"profile", command_profile},
+                {"report", command_report}};
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 /* Returns the place of a command, -1 for none. */

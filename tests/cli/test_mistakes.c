@@ -137,7 +137,6 @@ START_TEST(short_options_mean_one_thing) {
   static const char *const commands[] = {"scene --help",
                                          "scene indentation --help",
                                          "scene bar-impact --help",
-                                         "tables --help",
                                          "solve --help",
                                          "info --help",
                                          "chart --help",
