@@ -312,6 +312,9 @@ int end_command(int result, const char *why);
 /* Complains of an error of the library about `what` (a file name, say). */
 int complain_of(const char *what, const dls_error *error);
 
+/* Fills in *error and returns DLS_E_MEMORY. */
+dls_status no_memory(dls_error *error);
+
 /* Returns "" for 1, else "s". */
 const char *plural(long long count);
 
@@ -323,11 +326,20 @@ taken parse_number(const char *option, const char *text, double *value);
 taken parse_count(const char *option, const char *text, int *value);
 taken parse_count_to(const char *option, const char *text, int most, int *value);
 
+/* Finds a word among count; returns its place, or -1 after a complaint that lists them. */
+int parse_word(const char *option, const char *text, const char *const *words, int count);
+
 /* Reads the value of --mesh, NXxNY, two integers >= 1. */
 taken parse_mesh(const char *text, int *nx, int *ny);
 
 /* Returns the largest |v_i|; entries that are not a number do not count. */
 double largest_entry(const double *v, int n);
+
+/* Returns |x - y|_2, or |x|_2 where y is NULL. */
+double distance(size_t n, const double *x, const double *y);
+
+/* Compares two doubles, for qsort: the smallest first. */
+int ascending(const void *a, const void *b);
 
 /* Return the words of JSON for a status ("solved", "max_iterations", ...), for a state and for an
  * iteration of a method. */
@@ -569,21 +581,6 @@ int draw_history(const char *directory, const char *title);
 
 /* ---- moving.c -------------------------------------------------------------------------------- */
 
-/* The options of bodies that move, their lines of --help, and the function that takes some of them;
- * OPTION_UNKNOWN for another key. member: dls_moving_settings in the data of a command. */
-enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MOVING_MESH };
-#define MOVING_OPTIONS(type, member)                                                               \
-  VALUE("law", KEY_LAW), VALUE("theta", KEY_THETA), VALUE("mass", KEY_MASS),                       \
-      ROW(A_NUMBER, "e", 0, type, member.restitution),                                             \
-      ROW(A_NUMBER, "courant", 0, type, member.courant),                                           \
-      ROW(A_COUNT, "steps", 'n', type, member.steps), VALUE("mesh", KEY_MOVING_MESH),              \
-      ROW(A_COUNT, "upper", 0, type, member.upper), ROW(A_NUMBER, "mu", 0, type, member.mu),       \
-      ROW(A_NUMBER, "amplitude", 0, type, member.amplitude),                                       \
-      ROW(A_NUMBER, "frequency", 0, type, member.frequency), VALUE("method", 'm'),                 \
-      ROW(A_NUMBER, "tol", 't', type, member.limits.tol)
-void moving_usage_options(FILE *out);
-taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
-
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_moving_step(const dls_moving_data *data);
 
@@ -596,9 +593,6 @@ int draw_moving(const char *directory, const dls_moving_data *data);
 /* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",
  * "augmented-lagrangian", "penalty" in the equilibrium loop. Returns 0 for no method. */
 int forming_method(const char *name, dls_forming_settings *settings);
-
-/* Counts the candidates that carry a reaction. */
-int count_contacts(const dls_forming_data *data);
 
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);

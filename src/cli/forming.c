@@ -77,7 +77,8 @@ int forming_method(const char *name, dls_forming_settings *settings) {
   return 1;
 }
 
-int count_contacts(const dls_forming_data *data) {
+/* Counts the candidates that carry a reaction. */
+static int count_contacts(const dls_forming_data *data) {
   int count = 0;
   for (int c = 0; c < data->candidates; c++)
     count += data->r[2 * c] > 0;

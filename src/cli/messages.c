@@ -33,6 +33,11 @@ int complain_of(const char *what, const dls_error *error) {
   return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
 }
 
+dls_status no_memory(dls_error *error) {
+  *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+  return DLS_E_MEMORY;
+}
+
 static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
 static volatile sig_atomic_t interrupted;
 static volatile sig_atomic_t ends_at_once; /* 1: there is nothing yet that a signal may not end */
@@ -140,8 +145,6 @@ const char *freedom_words(int freedom, dls_forces forces, char *text) {
 }
 
 const char *proof_words(const dls_proof *proof, char *text, size_t size) {
-  static const char *const words[] = {
-      [DLS_FREE] = "free", [DLS_SLIP] = "slip", [DLS_STICK] = "stick"};
   if (proof->kind == DLS_PROVED && proof->radius == 0)
     (void)snprintf(text, size, "proved: reactions exact");
   else if (proof->kind == DLS_PROVED)
@@ -151,7 +154,7 @@ const char *proof_words(const dls_proof *proof, char *text, size_t size) {
                    proof->radius_u, proof->freedom, proof->freedom > 1 ? "es" : "");
   else if (proof->border)
     (void)snprintf(text, size, "not proved: contact %d is at the border between %s and %s",
-                   proof->contact, words[proof->state], words[proof->other]);
+                   proof->contact, state_word(proof->state), state_word(proof->other));
   else
     (void)snprintf(text, size, "not proved");
   return text;
@@ -205,6 +208,17 @@ taken parse_number(const char *option, const char *text, double *value) {
   return OPTION_TAKEN;
 }
 
+int parse_word(const char *option, const char *text, const char *const *words, int count) {
+  char all[100] = "";
+  for (int k = 0; k < count; k++) {
+    if (!strcmp(text, words[k])) return k;
+    const size_t used = strlen(all);
+    (void)snprintf(all + used, sizeof all - used, "%s%s", k ? ", " : "", words[k]);
+  }
+  complain("--%s: '%s' is none of %s", option, text, all);
+  return -1;
+}
+
 taken parse_mesh(const char *text, int *nx, int *ny) {
   char more;
   if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
@@ -233,6 +247,20 @@ double largest_entry(const double *v, int n) {
   for (int i = 0; i < n; i++)
     if (fabs(v[i]) > m) m = fabs(v[i]);
   return m;
+}
+
+double distance(size_t n, const double *x, const double *y) {
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) {
+    const double e = x[i] - (y ? y[i] : 0);
+    sum += e * e;
+  }
+  return sqrt(sum);
+}
+
+int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
 }
 
 const char *status_word(dls_status status) {

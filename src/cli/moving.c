@@ -17,8 +17,18 @@
 
 enum { SERIES_FILES = 50, MAP_COLUMNS = 400 };
 
-void moving_usage_options(FILE *out) {
+typedef struct moving_options {
+  const char *name;
+  dls_moving_settings settings;
+  const char *out; /* NULL: none */
+} moving_options;
+
+static void moving_usage(FILE *out) {
   char methods[METHOD_LIST_ROOM];
+  fputs("Usage: delassus scene SCENE [OPTION]...\nRuns a scene of bodies that move:\n\n", out);
+  for (int k = 0; dls_moving_name(k); k++)
+    fprintf(out, "  %-13s %s\n", dls_moving_name(k), dls_moving_description(k));
+  fputs("\n", out);
   fprintf(
       out,
       "      --law=LAW         velocity: impacts, a contact is active when it is closed;\n"
@@ -37,34 +47,16 @@ void moving_usage_options(FILE *out) {
       "      --amplitude=A     jean-moving: amplitude of the obstacle (1e-5 m)\n"
       "      --frequency=F     jean-moving: cycles per unit of time (path: 1; else 1000)\n"
       "  -m, --method=METHOD   for the contact problems: %s\n"
-      "  -t, --tol=T           on their certificates (1e-12)\n",
+      "  -t, --tol=T           on their certificates (1e-12)\n"
+      "  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE
+      "\nCtrl-C ends the run after the step; what was computed is written.\n",
       method_list(methods, sizeof methods));
-}
-
-static void moving_usage(FILE *out) {
-  fputs("Usage: delassus scene SCENE [OPTION]...\nRuns a scene of bodies that move:\n\n", out);
-  for (int k = 0; dls_moving_name(k); k++)
-    fprintf(out, "  %-13s %s\n", dls_moving_name(k), dls_moving_description(k));
-  fputs("\n", out);
-  moving_usage_options(out);
-  fputs("  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE
-        "\nCtrl-C ends the run after the step; what was computed is written.\n",
-        out);
 }
 
 /* ---- options --------------------------------------------------------------------------------- */
 
 static const char *const law_names[] = {"velocity", "gap", "path"}; /* from 1 */
 static const char *const mass_names[] = {"consistent", "lumped"};   /* from 1 */
-
-/* Finds a name in a list; returns its place from 1, or 0 after a complaint. */
-static int moving_word(const char *option, const char *text, const char *const *names, int count) {
-  for (int k = 0; k < count; k++)
-    if (!strcmp(text, names[k])) return k + 1;
-  complain("--%s: '%s' is none of %s, %s%s%s", option, text, names[0], names[1],
-           count > 2 ? ", " : "", count > 2 ? names[2] : "");
-  return 0;
-}
 
 static taken moving_mesh(const char *text, dls_moving_settings *s) {
   char more;
@@ -76,20 +68,18 @@ static taken moving_mesh(const char *text, dls_moving_settings *s) {
   return OPTION_WRONG;
 }
 
-static taken moving_method(const char *text, dls_moving_settings *s) {
-  if (dls_method_find(text, &s->method)) return OPTION_TAKEN;
-  return no_method(text, NULL);
-}
+enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MESH };
 
-taken take_moving_setting(int key, const char *text, dls_moving_settings *s) {
+static taken take_moving_option(int key, const char *text, void *data) {
+  dls_moving_settings *s = &((moving_options *)data)->settings;
   int word;
   switch (key) {
   case KEY_LAW:
-    word = moving_word("law", text, law_names, 3);
+    word = 1 + parse_word("law", text, law_names, 3);
     s->law = (dls_motion_law)word;
     return word ? OPTION_TAKEN : OPTION_WRONG;
   case KEY_MASS:
-    word = moving_word("mass", text, mass_names, 2);
+    word = 1 + parse_word("mass", text, mass_names, 2);
     s->mass = (dls_fe_mass_kind)word;
     return word ? OPTION_TAKEN : OPTION_WRONG;
   case KEY_THETA:
@@ -97,22 +87,14 @@ taken take_moving_setting(int key, const char *text, dls_moving_settings *s) {
     if (s->theta >= 0.5 && s->theta <= 1) return OPTION_TAKEN;
     complain("--theta: '%s' is not in .5 .. 1", text);
     return OPTION_WRONG;
-  case KEY_MOVING_MESH:
+  case KEY_MESH:
     return moving_mesh(text, s);
-  case 'm':
-    return moving_method(text, s);
-  default:
-    return OPTION_UNKNOWN;
+  default: /* m */
+    return dls_method_find(text, &s->method) ? OPTION_TAKEN : no_method(text, NULL);
   }
 }
 
 /* ---- files of a step ------------------------------------------------------------------------- */
-
-typedef struct moving_options {
-  const char *name;
-  dls_moving_settings settings;
-  const char *out; /* NULL: none */
-} moving_options;
 
 typedef struct moving_files {
   FILE *energy, *contact, *map, *bar, *loop; /* NULL: not wanted */
@@ -372,13 +354,23 @@ static int run_moving(const moving_options *o) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-static taken take_moving_option(int key, const char *text, void *data) {
-  return take_moving_setting(key, text, &((moving_options *)data)->settings);
-}
-
 int command_moving(int argc, char **argv) {
-  static const option_row options[] = {MOVING_OPTIONS(moving_options, settings),
-                                       ROW(A_TEXT, "out", 'o', moving_options, out), LAST_OPTIONS};
+  static const option_row options[] = {
+      VALUE("law", KEY_LAW),
+      VALUE("theta", KEY_THETA),
+      VALUE("mass", KEY_MASS),
+      ROW(A_NUMBER, "e", 0, moving_options, settings.restitution),
+      ROW(A_NUMBER, "courant", 0, moving_options, settings.courant),
+      ROW(A_COUNT, "steps", 'n', moving_options, settings.steps),
+      VALUE("mesh", KEY_MESH),
+      ROW(A_COUNT, "upper", 0, moving_options, settings.upper),
+      ROW(A_NUMBER, "mu", 0, moving_options, settings.mu),
+      ROW(A_NUMBER, "amplitude", 0, moving_options, settings.amplitude),
+      ROW(A_NUMBER, "frequency", 0, moving_options, settings.frequency),
+      VALUE("method", 'm'),
+      ROW(A_NUMBER, "tol", 't', moving_options, settings.limits.tol),
+      ROW(A_TEXT, "out", 'o', moving_options, out),
+      LAST_OPTIONS};
   static const command moving = {options, moving_usage, take_moving_option, 1};
   moving_options o = {0};
   dls_moving_settings_init(&o.settings);

@@ -109,11 +109,6 @@ static int profile_add(profile *p, const char *name, const profile_options *o) {
 
 /* ---- what it says ---------------------------------------------------------------------------- */
 
-static int by_size(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static double fastest_of(const profile *p, int rung, int first, int which) {
   double fastest = INFINITY;
   for (int k = first; k < p->solvers; k++) {
@@ -141,7 +136,7 @@ static void print_target(const profile *p, int rung, double *ratio) {
       }
       ratio[count++] = seconds / fastest;
     }
-    qsort(ratio, (size_t)count, sizeof *ratio, by_size);
+    qsort(ratio, (size_t)count, sizeof *ratio, ascending);
     if (count)
       printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s", p->who[k].name, count, parts,
              ratio[(count - 1) / 2], most, quote(AS_SHOWN, p->name[worst]).text);
@@ -172,7 +167,7 @@ static void print_auto(const profile *p, double *ratio) {
       }
       ratio[count++] = seconds / single;
     }
-  qsort(ratio, (size_t)count, sizeof *ratio, by_size);
+  qsort(ratio, (size_t)count, sizeof *ratio, ascending);
   if (!count) return;
   printf("\nauto over the fastest single method, %d problem%s, 1e-2 to 1e-14: median %.2f, nine "
          "tenths below %.2f, worst %.1f (%s to %.0e)\n",

@@ -40,11 +40,6 @@ static int quicker(const void *a, const void *b) {
   return (x->fastest > y->fastest) - (x->fastest < y->fastest);
 }
 
-static int larger(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static void make_strip(const profile_picture *p, int target, strip *s) {
   s->solved = 0;
   s->most = 10;
@@ -78,7 +73,7 @@ static int find_taus(const profile_picture *p, int target, const strip *s, int k
     const double seconds = seconds_of(p, target, k, s->places[i].problem);
     if (is_time(seconds)) taus[count++] = seconds / s->places[i].fastest;
   }
-  qsort(taus, (size_t)count, sizeof *taus, larger);
+  qsort(taus, (size_t)count, sizeof *taus, ascending);
   return count;
 }
 

@@ -206,10 +206,7 @@ dls_status race_run(race *a, const dls_contact *contact, const problem *body, co
   const size_t cells = (size_t)plan->rungs * MOST_CONTENDERS;
   a->trials = calloc(cells, sizeof *a->trials);
   a->answers = malloc(cells * (size_t)a->d * (size_t)a->nc * sizeof *a->answers);
-  if (!a->trials || !a->answers) {
-    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-    return DLS_E_MEMORY;
-  }
+  if (!a->trials || !a->answers) return no_memory(error);
   const double end = cpu_seconds() + plan->budget;
   status = race_line_up(a, error);
   for (int rung = 0; rung < a->rungs && !status; rung++)

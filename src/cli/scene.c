@@ -543,10 +543,9 @@ static taken parse_load(const char *text, dls_fe_scene_settings *block) {
 
 static taken parse_order(const char *text, dls_fe_order *order) {
   static const char *const words[] = {"together", "top-first", "side-first"};
-  for (int k = DLS_FE_TOGETHER; k <= DLS_FE_SIDE_FIRST; k++)
-    if (!strcmp(text, words[k])) return *order = (dls_fe_order)k, OPTION_TAKEN;
-  complain("--order: '%s' is none of together, top-first, side-first", text);
-  return OPTION_WRONG;
+  const int k = parse_word("order", text, words, 3);
+  *order = (dls_fe_order)k;
+  return k >= 0 ? OPTION_TAKEN : OPTION_WRONG;
 }
 
 static taken parse_young(const char *text, double *E) {

@@ -64,8 +64,7 @@ static dls_status solve_equilibrium(const dls_fe_scene_data *d, double tol, doub
   if (!status) status = dls_reduction_contact(*reduction, d->mu, &contact, error);
   if (status) return status;
   *r = calloc(2 * (size_t)contact.nc, sizeof **r);
-  if (!*r)
-    return *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"}, DLS_E_MEMORY;
+  if (!*r) return no_memory(error);
   status = dls_solve(&contact, &settings, *r, NULL, &info, error);
   if (status < 0) return status;
   out->status = status == DLS_TO_ROUNDING ? DLS_OK : status;

@@ -131,9 +131,7 @@ static dls_status recover(problem *p, const double *r, double **x, dls_error *er
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
   if (status) return status;
   *x = malloc((size_t)p->model.n * sizeof **x);
-  if (*x) return dls_reduction_recover(p->reduction, r, *x, error);
-  *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-  return DLS_E_MEMORY;
+  return *x ? dls_reduction_recover(p->reduction, r, *x, error) : no_memory(error);
 }
 
 /* Returns 1 for a status that a vector of the solver stands behind. */
@@ -454,17 +452,13 @@ static int solve_file(const char *path, const solve_options *options) {
 
 /* ---- options --------------------------------------------------------------------------------- */
 
-static taken parse_forces(const char *text, dls_forces *forces) {
-  *forces = strcmp(text, "least") == 0 ? DLS_FORCES_LEAST : DLS_FORCES_ANY;
-  if (*forces == DLS_FORCES_LEAST || strcmp(text, "any") == 0) return OPTION_TAKEN;
-  complain("--forces: '%s' is neither any nor least", text);
-  return OPTION_WRONG;
-}
-
 static taken take_solve_option(int key, const char *text, void *data) {
+  static const char *const words[] = {[DLS_FORCES_ANY] = "any", [DLS_FORCES_LEAST] = "least"};
   solve_options *o = data;
-  return key == KEY_FORCES ? parse_forces(text, &o->solver.settings.forces)
-                           : take_solver_option(key, text, &o->solver);
+  if (key != KEY_FORCES) return take_solver_option(key, text, &o->solver);
+  const int k = parse_word("forces", text, words, 2);
+  o->solver.settings.forces = (dls_forces)k;
+  return k >= 0 ? OPTION_TAKEN : OPTION_WRONG;
 }
 
 int command_solve(int argc, char **argv) {
