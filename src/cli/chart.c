@@ -8,8 +8,6 @@
  * the reference, errors are measured from the improved one, and the radius of the proof is added:
  * they are bounds then. Methods that do not agree found different solutions.
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,6 @@
  * panels, and under them the table, which is the key of all four.
  */
 #include <math.h>
-#include <stdlib.h>
 
 #include "chart.h"
 

@@ -65,10 +65,24 @@ int no_scene(const char *name);
 
 /* ---- json.c ---------------------------------------------------------------------------------- */
 
-/* Cuts a line of CSV into at most MOST_FIELDS fields in place; returns their number. A field in
- * quotes may hold commas, and "" for a quote. */
+/* A table in a CSV file, row by row: the names of its columns, and the fields of the row at hand. A
+ * field in quotes may hold commas, and "" for a quote. */
 enum { MOST_FIELDS = 24, LONGEST_LINE = 8192 };
-int cut_fields(char *line, char **field);
+typedef struct csv {
+  FILE *file;
+  int columns, fields;
+  char *column[MOST_FIELDS], *field[MOST_FIELDS];
+  char head[LONGEST_LINE], line[LONGEST_LINE];
+} csv;
+
+/* Opens DIRECTORY/NAME and reads its columns; returns 0 if it cannot be read. */
+int csv_open(csv *t, const char *directory, const char *name);
+
+/* Reads the next row, past comments; returns 0, and closes the file, after the last. */
+int csv_next(csv *t);
+
+/* Returns the place of a column, whose name has `length` letters; -1 for none. */
+int csv_column(const csv *t, const char *name, size_t length);
 
 /* Begins the object that --json prints: its title, status and, where it is not NULL, why. */
 void print_json_head(const char *title, const char *status, const char *why);
@@ -519,6 +533,11 @@ int close_file(FILE *file, const char *name);
 
 /* Gives up the files that are still open; old ones stay. */
 void drop_files(void);
+
+/* Set the open files aside, so that a command within another one does not drop them; put them back,
+ * and drop what that command left open. */
+struct open_file *set_files_aside(void);
+void put_files_back(struct open_file *files);
 
 /* Open and close DIRECTORY/series.pvd; NULL, or 0, after a complaint. */
 dls_fe_series *open_series(const char *directory);

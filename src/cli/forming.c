@@ -10,8 +10,6 @@
  *   mesh, plastic, pressure, force (.dat or .csv, .gp, .png, .svg)
  */
 #define _GNU_SOURCE
-#include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +24,6 @@ typedef struct forming_options {
   double at[MOST_AT];
   int at_count;
   const char *out, *save; /* NULL: none */
-  int json;
 } forming_options;
 
 static void forming_usage(FILE *out) {
@@ -306,8 +303,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
   dls_forming_data d;
   dls_error error = {0};
   dls_forming_get(forming, &d);
-  if (!o->json && !is_quiet())
-    puts("    travel         force  contacts  max strain  equilibr.   residual");
+  if (prints_text()) puts("    travel         force  contacts  max strain  equilibr.   residual");
   for (int step = 1; step <= d.steps; step++) {
     const double before = d.travel;
     *status = dls_forming_step(forming, &error);
@@ -320,7 +316,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
     const int stop = show_step(&d, step);
     if (asked || stop) {
       progress_end();
-      if (!o->json && !is_quiet()) print_state(&d);
+      if (prints_text()) print_state(&d);
     }
     if (out->force && !write_step(out, o, forming, step, asked || stop)) return 0;
     if (stop && !*status) *status = DLS_CANCELLED;
@@ -345,7 +341,7 @@ static int run_forming(const forming_options *o) {
       dls_forming_data d;
       dls_forming_get(forming, &d);
       const double seconds = cpu_seconds() - out.start;
-      if (o->json)
+      if (is_json())
         print_forming_json(o, &d, status, seconds);
       else if (!is_quiet())
         print_forming_summary(o, &d, status, seconds);
@@ -372,7 +368,7 @@ static int run_forming(const forming_options *o) {
         !own->nx && !own->ny && own->mu < 0 && !own->steps && !own->clamped && own->ram_mu == 0;
     if (draw_forming(o->out, title, &d, as_is) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
-  if (result != EXIT_BAD_INPUT && !o->json) print_ending(status, NULL);
+  if (result != EXIT_BAD_INPUT && !is_json()) print_ending(status, NULL);
   dls_forming_destroy(forming);
   return result;
 }
@@ -429,7 +425,6 @@ int command_forming(int argc, char **argv) {
   const int stop = take_options(argc, argv, &forming, &o);
   if (stop != GO_ON) return stop;
   o.name = argv[optind];
-  o.json = is_json();
   watch_interrupt();
   return run_forming(&o);
 }

@@ -1,6 +1,4 @@
 /* info.c: delassus info FILE: tells facts about a contact problem, in words or as JSON. */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 
 #include "matrices.h"

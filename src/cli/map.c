@@ -3,8 +3,6 @@
  * rows are the problems, at their own friction. Beside it the largest reaction, which grows without
  * bound where the body jams.
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

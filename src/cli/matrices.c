@@ -6,7 +6,6 @@
  *
  * docs/files.md says what each file holds.
  */
-#define _GNU_SOURCE
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>

@@ -7,11 +7,8 @@
  *   series.pvd    about 50 steps for ParaView, step_NNNN.vtu
  *   energy, map or bar, loop (.dat, .gp, .png, .svg)
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli.h"
 

@@ -1,7 +1,5 @@
 /* options.c: reads the options of the commands, and those that scene and solve share: the method
  * and its settings. */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <string.h>
 
 #include "cli.h"

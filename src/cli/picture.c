@@ -63,6 +63,17 @@ int close_file(FILE *file, const char *name) {
   return good;
 }
 
+open_file *set_files_aside(void) {
+  open_file *files = open_files;
+  open_files = NULL;
+  return files;
+}
+
+void put_files_back(open_file *files) {
+  drop_files();
+  open_files = files;
+}
+
 void drop_files(void) {
   while (open_files) {
     open_file *entry = open_files;

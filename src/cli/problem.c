@@ -1,6 +1,5 @@
 /* problem.c: loads the problem that a command is asked for: a file, a scene or matrices. */
 #define _GNU_SOURCE
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

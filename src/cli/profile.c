@@ -2,8 +2,6 @@
  * profile.c: delassus profile NAME...: every method on many problems: performance profiles, and how
  * far auto is from the fastest single method.
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

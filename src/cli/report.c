@@ -8,9 +8,6 @@
  *   5  bodies that move: energy               6  contacts
  *   7  the commands that draw each part again
  */
-#define _GNU_SOURCE
-#include <getopt.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -7,9 +7,7 @@
  * equivalent ones of the other kind: of weighted reactions P r at its node, of concentrated ones
  * P^-1 r.
  */
-#define _GNU_SOURCE
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +17,7 @@
 
 typedef struct scene_options {
   const char *name;
-  int weighted, json;
+  int weighted;
   int as_printed; /* 1: by jean_sweeps instead of a method */
   dls_fe_scene_settings block;
   solver_options solver;
@@ -480,24 +478,15 @@ static int write_files(const run *a, const scene_options *o) {
 
 static int run_scene(const scene_options *o) {
   run a = {0};
-  dls_error error = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  if (dls_fe_scene_create_with(&a.scene, o->name, o->weighted, &o->block, &error)) {
-    result = complain_of(o->name, &error);
-    goto end;
-  }
+  if (dls_fe_scene_create_with(&a.scene, o->name, o->weighted, &o->block, &error)) goto failed;
   dls_fe_scene_get(a.scene, &a.data);
-  if (!scene_allocate(&a)) {
-    result = complain("%s: out of memory", o->name);
-    goto end;
-  }
+  if (!scene_allocate(&a)) goto failed;
   if (o->reference && !read_reference(o->reference, &a)) goto end;
   if (o->out && !take_folder(o->out, "scene", o->name)) goto end;
-  if (scene_compute(&a, o, &error)) {
-    result = complain_of(o->name, &error);
-    goto end;
-  }
-  if (o->json)
+  if (scene_compute(&a, o, &error)) goto failed;
+  if (is_json())
     print_json(stdout, &a.outcome);
   else if (!is_quiet())
     print_run(&a, o);
@@ -508,12 +497,15 @@ static int run_scene(const scene_options *o) {
       title, sizeof title, is_solved(info->status) ? "%.80s" : "%.80s [%s]", o->name,
       unsolved_words(info->status, info->certificate.residual, unsolved, sizeof unsolved));
   if (o->save && dls_fclib_write_local(o->save, &a.contact, title, a.r, a.u, &error)) {
-    result = complain_of(o->save, &error);
+    (void)complain_of(o->save, &error);
     goto end;
   }
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
-  if (!o->json) print_ending(a.outcome.info.status, &a.outcome.info);
+  if (!is_json()) print_ending(a.outcome.info.status, &a.outcome.info);
   result = is_solved(a.outcome.info.status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  goto end;
+failed:
+  (void)complain_of(o->name, &error);
 end:
   scene_release(&a);
   return result;
@@ -596,7 +588,6 @@ int command_scene(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
-  o.json = is_json();
   if (!kind_of_scene(o.name)) return no_scene(o.name);
   watch_interrupt();
   return run_scene(&o);

@@ -1,5 +1,4 @@
 /* setting.c: runs a scene of any kind at a setting; its one number (setting.h). */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
