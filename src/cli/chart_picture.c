@@ -25,10 +25,10 @@ static double at_least(double x, double least) {
 
 static int write_chart_csv(const chart *c, const char *directory) {
   const race *a = &c->race;
-  FILE *file = open_in(directory, "chart.csv");
+  FILE *file = open_table(
+      directory, "chart.csv",
+      "method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer,longer\n");
   if (!file) return 0;
-  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer,longer\n",
-        file);
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       const trial *t = race_trial(a, k, rung);
@@ -43,9 +43,8 @@ static int write_chart_csv(const chart *c, const char *directory) {
 }
 
 static int write_history_csv(const chart *c, const char *directory) {
-  FILE *file = open_in(directory, "history.csv");
+  FILE *file = open_table(directory, "history.csv", "method,iteration,cpu_s,residual\n");
   if (!file) return 0;
-  fputs("method,iteration,cpu_s,residual\n", file);
   for (int k = 0; k < c->race.count; k++)
     for (int i = 0; i < c->history[k].points; i++)
       fprintf(file, "%s,%d,%.4e,%.6e\n", c->race.who[k].name, c->history[k].iteration[i],

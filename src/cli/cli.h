@@ -68,21 +68,21 @@ int no_scene(const char *name);
 /* A table in a CSV file, row by row: the names of its columns, and the fields of the row at hand. A
  * field in quotes may hold commas, and "" for a quote. */
 enum { MOST_FIELDS = 24, LONGEST_LINE = 8192 };
-typedef struct csv {
+typedef struct csv_table {
   FILE *file;
   int columns, fields;
   char *column[MOST_FIELDS], *field[MOST_FIELDS];
   char head[LONGEST_LINE], line[LONGEST_LINE];
-} csv;
+} csv_table;
 
 /* Opens DIRECTORY/NAME and reads its columns; returns 0 if it cannot be read. */
-int csv_open(csv *t, const char *directory, const char *name);
+int csv_open(csv_table *t, const char *directory, const char *name);
 
 /* Reads the next row, past comments; returns 0, and closes the file, after the last. */
-int csv_next(csv *t);
+int csv_next(csv_table *t);
 
 /* Returns the place of a column, whose name has `length` letters; -1 for none. */
-int csv_column(const csv *t, const char *name, size_t length);
+int csv_column(const csv_table *t, const char *name, size_t length);
 
 /* Begins the object that --json prints: its title, status and, where it is not NULL, why. */
 void print_json_head(const char *title, const char *status, const char *why);
@@ -292,6 +292,9 @@ quoted quote(text_kind kind, const char *text);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Does the same; returns 0, which stands for OPTION_WRONG, too. */
+int refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
  * Returns its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
 int run_command(int (*run)(int argc, char **argv), char **argv, char *why);
@@ -447,6 +450,9 @@ void print_json_string(FILE *out, const char *text);
 void print_json_number(FILE *out, double value);
 void print_json_field(FILE *out, const char *name, double value);
 
+/* Prints a field of an object whose value is an array of numbers. */
+void print_json_numbers(FILE *out, const char *name, int n, const double *x);
+
 /* Prints a verdict as the next fields of an object; with proof = 1 the vectors, too. */
 void print_json_verdict(FILE *out, const verdict *v, int proof);
 
@@ -527,9 +533,15 @@ int make_directory(const char *path);
 FILE *open_path(const char *path);
 FILE *open_in(const char *directory, const char *name);
 
+/* Opens a file in a directory, and writes its first line. */
+FILE *open_table(const char *directory, const char *name, const char *head);
+
 /* Closes a file that was opened so, by its name in a complaint; returns 1 if all of it was
  * written. Otherwise the old one stays. */
 int close_file(FILE *file, const char *name);
+
+/* Closes all files that are open, in the order they were opened, up to one that was not written. */
+int close_files(void);
 
 /* Gives up the files that are still open; old ones stay. */
 void drop_files(void);

@@ -119,22 +119,6 @@ static void write_contacts(FILE *file, const dls_forming_data *d) {
   }
 }
 
-/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
- * leaves those after it as they were. */
-static int close_outputs(outputs *o) {
-  int good = close_series(o->series);
-  if (o->force) good = good && close_file(o->force, "force.csv");
-  if (o->contact) good = good && close_file(o->contact, "contact.csv");
-  if (o->pressure) good = good && close_file(o->pressure, "pressure.dat");
-  return good;
-}
-
-/* Gives the files up; those of before stay. */
-static void drop_outputs(outputs *o) {
-  o->force = o->contact = o->pressure = NULL;
-  drop_files();
-}
-
 /* Returns the word for the way that solved a step. */
 static const char *way_word(dls_forming_way way) {
   static const char *const words[] = {
@@ -238,14 +222,6 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
          d->cpu.assembly, d->cpu.reduction, d->cpu.contact);
 }
 
-static void print_json_point(FILE *out, const char *name, const double x[2]) {
-  fprintf(out, "\"%s\": [", name);
-  print_json_number(out, x[0]);
-  fputs(", ", out);
-  print_json_number(out, x[1]);
-  fputs("]", out);
-}
-
 static void print_json_fault(FILE *out, const dls_forming_fault *fault) {
   fprintf(out, ",\n  \"refused\": {\"element\": %d, \"corner\": %d, \"node\": %d", fault->element,
           fault->corner, fault->node);
@@ -288,7 +264,7 @@ static void print_forming_json(const forming_options *o, const dls_forming_data 
   fputs(",\n  \"tools\": [", out);
   for (int k = 0; k < d->tools; k++) {
     fprintf(out, "%s\n    {\"name\": \"%s\", ", k ? "," : "", d->tool[k].name);
-    print_json_point(out, "force", d->tool[k].force);
+    print_json_numbers(out, "force", 2, d->tool[k].force);
     fputs("}", out);
   }
   fputs("]", out);
@@ -349,8 +325,8 @@ static int run_forming(const forming_options *o) {
         fprintf(out.force, "# %s at %.6g of %.6g mm\n", dls_status_text(status), d.travel, d.whole);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  if (result == EXIT_BAD_INPUT) drop_outputs(&out);
-  if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
+  if (result == EXIT_BAD_INPUT) drop_files();
+  if (!close_series(out.series) || !close_files()) result = EXIT_BAD_INPUT;
   if (o->save && result != EXIT_BAD_INPUT) {
     dls_contact last;
     if (dls_forming_problem(forming, &last, &error) ||

@@ -11,7 +11,7 @@ enum { PICTURE_STAGES = 12 };
 /* Collects the names of the stages in a history.csv, its fourth column; returns how many, -1 after
  * a complaint. */
 static int read_stages(const char *directory, char stage[PICTURE_STAGES][32]) {
-  csv t;
+  csv_table t;
   int count = 0;
   if (!csv_open(&t, directory, "history.csv")) {
     (void)complain("%s/history.csv: cannot be read again", directory);

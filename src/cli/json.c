@@ -26,7 +26,7 @@ static int cut_fields(char *line, char **field) {
   return count;
 }
 
-int csv_open(csv *t, const char *directory, const char *name) {
+int csv_open(csv_table *t, const char *directory, const char *name) {
   char path[PATH_ROOM];
   t->columns = 0;
   t->file = join_path(path, directory, name) ? fopen(path, "r") : NULL;
@@ -37,7 +37,7 @@ int csv_open(csv *t, const char *directory, const char *name) {
   return 0;
 }
 
-int csv_next(csv *t) {
+int csv_next(csv_table *t) {
   do {
     if (!fgets(t->line, sizeof t->line, t->file)) return (void)fclose(t->file), 0;
   } while (t->line[0] == '#');
@@ -45,7 +45,7 @@ int csv_next(csv *t) {
   return 1;
 }
 
-int csv_column(const csv *t, const char *name, size_t length) {
+int csv_column(const csv_table *t, const char *name, size_t length) {
   for (int k = 0; k < t->columns; k++)
     if (strlen(t->column[k]) == length && !strncmp(t->column[k], name, length)) return k;
   return -1;
@@ -65,8 +65,8 @@ static void print_field(const char *text) {
 
 /* Prints the rows of a table of DIRECTORY as an array of objects. */
 static int print_rows(const char *directory, const char *name) {
-  csv t;
-  if (!csv_open(&t, directory, name)) return complain("%s/%s: cannot be read", directory, name), 0;
+  csv_table t;
+  if (!csv_open(&t, directory, name)) return refuse("%s/%s: cannot be read", directory, name);
   fputs(",\n  \"rows\": [", stdout);
   for (int row = 0; csv_next(&t); row++) {
     fputs(row ? ",\n    {" : "\n    {", stdout);

@@ -45,10 +45,8 @@ static int blas_takes_memory(void) {
   if (!openblas_set_num_threads) return 1;
   void *const trial =
       mmap(NULL, wanted, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (trial == MAP_FAILED) {
-    (void)complain("no memory for the buffer of OpenBLAS: 160 MB of address space (ulimit -v)");
-    return 0;
-  }
+  if (trial == MAP_FAILED)
+    return refuse("no memory for the buffer of OpenBLAS: 160 MB of address space (ulimit -v)");
   (void)munmap(trial, wanted);
   dsyrk_("L", "N", &one, &one, &x, &x, &one, &zero, &y, &one, 1, 1);
   return 1;

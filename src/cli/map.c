@@ -269,9 +269,9 @@ int map_methods(int count, char **names, map_options *o) {
   if (!status) list_columns(m, count > 1 ? NULL : &subject);
   /* the files complain by themselves */
   if (!status && (o->out = take_folder(o->out, "map", count > 1 ? NULL : at)) &&
-      (m->csv = open_in(o->out, "map.csv"))) {
+      (m->csv =
+           open_table(o->out, "map.csv", "row,mu,method,verdict,cpu_s,iterations,residual\n"))) {
     m->picture.directory = o->out;
-    fputs("row,mu,method,verdict,cpu_s,iterations,residual\n", m->csv);
     if (count > 1) {
       status = map_problems(m, count, names, o, &at, &error);
       (void)snprintf(title, sizeof title, "Who solves what: %d problem%s", m->picture.rows,
@@ -306,8 +306,7 @@ static taken take_range(const char *text, map_options *o) {
   if (sscanf(text, "%lf:%lf%c", &o->from, &o->to, &more) == 2 && o->from >= 0 && o->to > o->from &&
       isfinite(o->to))
     return OPTION_TAKEN;
-  complain("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
-  return OPTION_WRONG;
+  return refuse("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
 }
 
 static taken take_map_option(int key, const char *text, void *data) {

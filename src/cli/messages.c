@@ -15,17 +15,29 @@
 static int loudness, json; /* -1 quiet, 1 verbose; 1: --json */
 static char *complaint;    /* of a command within another one (run_command), or NULL */
 
-int complain(const char *format, ...) {
+static void complain_with(const char *format, va_list args) {
   char text[QUOTED_ROOM];
-  va_list args;
-  va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
-  va_end(args);
   if (complaint)
     (void)snprintf(complaint, PATH_ROOM, "%s", text);
   else
     fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
+}
+
+int complain(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  complain_with(format, args);
+  va_end(args);
   return EXIT_BAD_INPUT;
+}
+
+int refuse(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  complain_with(format, args);
+  va_end(args);
+  return 0;
 }
 
 int complain_of(const char *what, const dls_error *error) {
@@ -221,8 +233,7 @@ int parse_word(const char *option, const char *text, const char *const *words, i
 taken parse_mesh(const char *text, int *nx, int *ny) {
   char more;
   if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
-  complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
-  return OPTION_WRONG;
+  return refuse("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
 }
 
 taken parse_count(const char *option, const char *text, int *value) {
@@ -234,8 +245,7 @@ taken parse_count_to(const char *option, const char *text, int most, int *value)
   errno = 0;
   const long v = strtol(text, &end, 10);
   if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
-    complain("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
-    return OPTION_WRONG;
+    return refuse("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
   }
   *value = (int)v;
   return OPTION_TAKEN;
@@ -333,13 +343,18 @@ void print_json_field(FILE *out, const char *name, double value) {
   print_json_number(out, value);
 }
 
-static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
-  fprintf(out, ",\n  \"%s\": [", name);
+void print_json_numbers(FILE *out, const char *name, int n, const double *x) {
+  fprintf(out, "\"%s\": [", name);
   for (int i = 0; i < n; i++) {
     if (i) fputs(", ", out);
     print_json_number(out, x[i]);
   }
   fputc(']', out);
+}
+
+static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
+  fputs(",\n  ", out);
+  print_json_numbers(out, name, n, x);
 }
 
 void print_json_verdict(FILE *out, const verdict *v, int proof) {

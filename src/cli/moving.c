@@ -61,8 +61,7 @@ static taken moving_mesh(const char *text, dls_moving_settings *s) {
   if ((sscanf(text, "%d%c", &s->nx, &more) == 1 && s->nx > 0) ||
       (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0))
     return OPTION_TAKEN;
-  complain("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
-  return OPTION_WRONG;
+  return refuse("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
 }
 
 enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MESH };
@@ -82,8 +81,7 @@ static taken take_moving_option(int key, const char *text, void *data) {
   case KEY_THETA:
     if (!parse_number("theta", text, &s->theta)) return OPTION_WRONG;
     if (s->theta >= 0.5 && s->theta <= 1) return OPTION_TAKEN;
-    complain("--theta: '%s' is not in .5 .. 1", text);
-    return OPTION_WRONG;
+    return refuse("--theta: '%s' is not in .5 .. 1", text);
   case KEY_MESH:
     return moving_mesh(text, s);
   default: /* m */
@@ -120,41 +118,20 @@ static double surface_part(const dls_moving_data *d, int c) {
 }
 
 static int moving_open(moving_files *f, const char *directory, const dls_moving_data *d) {
-  if (!(f->energy = open_in(directory, "energy.csv")) ||
-      !(f->contact = open_in(directory, "contact.csv")) || !(f->series = open_series(directory)))
-    return 0;
-  fputs("t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n", f->energy);
-  fputs("t,candidate,r_n,r_t,u_n,u_t,state\n", f->contact);
-  if (d->has_exact) {
-    if (!(f->bar = open_in(directory, "bar.dat"))) return 0;
-    fputs("# t gap exact_gap force exact_force\n", f->bar);
-  } else {
-    if (!(f->map = open_in(directory, "map.dat"))) return 0;
-    fputs("# t x r_n/length state(0 free, 1 slip, 2 stick)\n", f->map);
-  }
-  if (d->obstacle_moves) {
-    if (!(f->loop = open_in(directory, "loop.dat"))) return 0;
-    fputs("# obstacle sum_of_r_t; a blank line between cycles\n", f->loop);
-  }
-  return 1;
-}
-
-/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
- * leaves those after it as they were. */
-static int moving_close(moving_files *f) {
-  int good = close_series(f->series);
-  if (f->energy) good = good && close_file(f->energy, "energy.csv");
-  if (f->contact) good = good && close_file(f->contact, "contact.csv");
-  if (f->map) good = good && close_file(f->map, "map.dat");
-  if (f->bar) good = good && close_file(f->bar, "bar.dat");
-  if (f->loop) good = good && close_file(f->loop, "loop.dat");
-  return good;
-}
-
-/* Gives the files up; those of before stay. */
-static void drop_moving(moving_files *f) {
-  f->energy = f->contact = f->map = f->bar = f->loop = NULL;
-  drop_files();
+  f->energy =
+      open_table(directory, "energy.csv",
+                 "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n");
+  if (f->energy)
+    f->contact = open_table(directory, "contact.csv", "t,candidate,r_n,r_t,u_n,u_t,state\n");
+  if (!f->contact || !(f->series = open_series(directory))) return 0;
+  if (d->has_exact)
+    f->bar = open_table(directory, "bar.dat", "# t gap exact_gap force exact_force\n");
+  else
+    f->map = open_table(directory, "map.dat", "# t x r_n/length state(0 free, 1 slip, 2 stick)\n");
+  if (d->obstacle_moves)
+    f->loop =
+        open_table(directory, "loop.dat", "# obstacle sum_of_r_t; a blank line between cycles\n");
+  return (f->bar || f->map) && (f->loop || !d->obstacle_moves);
 }
 
 static void write_energy(FILE *file, const dls_moving_data *d) {
@@ -194,7 +171,7 @@ static int write_series(const moving_files *f, const char *directory, const dls_
   (void)snprintf(name, sizeof name, "step_%04d.vtu", d->step);
   if (!join_path(path, directory, name)) return 0;
   double *stress = malloc(3 * (size_t)elements * sizeof *stress);
-  if (!stress) return complain("%s: out of memory", path), 0;
+  if (!stress) return refuse("%s: out of memory", path);
   const dls_fe_fields fields = {.displacement = d->displacement,
                                 .reaction = d->reaction,
                                 .stress = stress,
@@ -340,8 +317,8 @@ static int run_moving(const moving_options *o) {
                 d.steps);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  if (result == EXIT_BAD_INPUT) drop_moving(&files);
-  if (!moving_close(&files)) result = EXIT_BAD_INPUT;
+  if (result == EXIT_BAD_INPUT) drop_files();
+  if (!close_series(files.series) || !close_files()) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;
   if (result != EXIT_BAD_INPUT) print_ending(status, NULL);

@@ -115,12 +115,9 @@ taken no_method(const char *name, const char *const *more) {
   nearest_methods(&near);
   for (int k = 0; more && more[k]; k++)
     nearest_try(&near, more[k]);
-  if (near.count)
-    complain("--method: '%s' is no method%s", name, nearest_words(&near));
-  else
-    complain("--method: '%s' is no method; these are: %s%s%s", name,
-             method_list(methods, sizeof methods), more ? ", " : "", more ? more[0] : "");
-  return OPTION_WRONG;
+  if (near.count) return refuse("--method: '%s' is no method%s", name, nearest_words(&near));
+  return refuse("--method: '%s' is no method; these are: %s%s%s", name,
+                method_list(methods, sizeof methods), more ? ", " : "", more ? more[0] : "");
 }
 
 /* Takes a method by its name, or gauss-seidel. */
@@ -139,9 +136,8 @@ static taken take_acceleration(const char *name, solver_options *o) {
   nearest near = {.word = name};
   for (int k = 0; k < 4; k++)
     nearest_try(&near, all[k]);
-  complain("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)%s", name,
-           nearest_words(&near));
-  return OPTION_WRONG;
+  return refuse("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)%s", name,
+                nearest_words(&near));
 }
 
 taken take_solver_option(int key, const char *text, solver_options *o) {
@@ -161,6 +157,5 @@ int settle_solver_options(solver_options *o) {
   if (!o->accel_given) return 1;
   if (!o->method_given) o->settings.method = DLS_NLGS;
   if (!o->primal && o->settings.method == DLS_NLGS) return 1;
-  complain("--accel: is for nlgs");
-  return 0;
+  return refuse("--accel: is for nlgs");
 }

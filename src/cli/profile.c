@@ -231,8 +231,10 @@ static int run_profile(int count, char **list, const profile_options *o) {
   int good = p.name && p.seconds && ratio;
   if (!good) (void)complain("out of memory");
   const char *out = good ? take_folder(o->out, "profile", NULL) : NULL;
-  if (good) good = out && (p.csv = open_in(out, "profile.csv"));
-  if (good) fputs("problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n", p.csv);
+  if (good)
+    good =
+        out && (p.csv = open_table(out, "profile.csv",
+                                   "problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n"));
   for (int i = 0; i < count && good && !was_interrupted(); i++)
     good = profile_add(&p, list[i], o);
   if (good) good = close_file(p.csv, "profile.csv");

@@ -154,7 +154,7 @@ void page_table_end(page *p) {
 }
 
 /* Finds the numbers of the wanted columns; returns how many. */
-static int find_columns(const csv *t, const char *columns, int *which) {
+static int find_columns(const csv_table *t, const char *columns, int *which) {
   int found = 0;
   for (int k = 0; k < t->columns && !*columns && found < PAGE_COLUMNS; k++)
     which[found++] = k;
@@ -178,7 +178,7 @@ static void add_field(page *p, const char *text) {
 }
 
 /* Returns 1 if the row at hand has the field `only`, or that is NULL. */
-static int row_counts(const csv *t, const char *only) {
+static int row_counts(const csv_table *t, const char *only) {
   for (int k = 0; only && k < t->fields; k++)
     if (!strcmp(t->field[k], only)) return 1;
   return !only;
@@ -186,7 +186,7 @@ static int row_counts(const csv *t, const char *only) {
 
 int page_csv(page *p, const char *directory, const char *name, const char *columns,
              const char *only, int rows) {
-  csv t;
+  csv_table t;
   int which[PAGE_COLUMNS], count = 0, row = 0;
   if (!csv_open(&t, directory, name)) return 0;
   while (csv_next(&t))

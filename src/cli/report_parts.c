@@ -131,7 +131,7 @@ enum { MEANINGS = sizeof meanings / sizeof meanings[0] };
 
 /* Counts the cells of map.csv by their verdict. */
 static void count_cells(const parts *a, const char *path) {
-  csv t;
+  csv_table t;
   int count[MEANINGS] = {0};
   if (!csv_open(&t, path, "map.csv")) return;
   const int at = csv_column(&t, "verdict", strlen("verdict"));
@@ -197,7 +197,7 @@ void part_run(parts *a, const scene_answer *got) {
   static int (*const run[3])(int, char **) = {command_scene, command_forming, command_moving};
   const int kind = (int)a->scene->kind - (int)SCENE_AT_ONCE;
   const int moves = a->scene->kind == SCENE_MOVING;
-  (void)setting_options(a->scene, a->take, options, sizeof options);
+  (void)setting_text(a->scene, a->take, 1, options);
   page_say(a->page, PAGE_SECTION, moves ? "Motion: drift of energy" : "Contacts");
   if (!make_part(a, "scene", options, run[kind], path)) return;
   if (moves) {

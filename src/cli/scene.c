@@ -198,11 +198,7 @@ static dls_status solve_primal(run *a, const scene_options *o, const double *f, 
                                dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.limits.tol = o->solver.settings.limits.tol;
-  if (o->solver.settings.limits.max_iterations)
-    settings.limits.max_iterations = o->solver.settings.limits.max_iterations;
-  settings.limits.progress = o->solver.settings.limits.progress;
-  settings.limits.progress_data = o->solver.settings.limits.progress_data;
+  settings.limits = o->solver.settings.limits;
   dls_status status = DLS_OK;
   if (!a->primal) status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
   if (!status)
@@ -289,10 +285,7 @@ static int read_reference(const char *path, run *a) {
     for (int c = 0; c < a->data.candidates; c++)
       a->paper[k][c] = NAN;
   FILE *file = fopen(path, "r");
-  if (!file) {
-    complain("%s: %s", path, strerror(errno));
-    return 0;
-  }
+  if (!file) return refuse("%s: %s", path, strerror(errno));
   char line[512];
   int number = 0, good = fgets(line, sizeof line, file) != NULL;
   while (good && fgets(line, sizeof line, file)) {
@@ -419,9 +412,9 @@ static void print_run(const run *a, const scene_options *o) {
 /* ---- files ----------------------------------------------------------------------------------- */
 
 static int write_csv(const run *a, const scene_options *o) {
-  FILE *file = open_in(o->out, "contact.csv");
+  FILE *file =
+      open_table(o->out, "contact.csv", "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n");
   if (!file) return 0;
-  fputs("candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n", file);
   for (int c = 0; c < a->data.candidates; c++) {
     fprintf(file, "%d", c + 1);
     for (int k = X; k <= RN; k++)
@@ -529,8 +522,7 @@ static taken parse_load(const char *text, dls_fe_scene_settings *block) {
   if (count == 2) block->side_top = block->side;
   block->has_load = 1;
   if (count == 2 || (count == 4 && more == ',')) return OPTION_TAKEN;
-  complain("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
-  return OPTION_WRONG;
+  return refuse("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
 }
 
 static taken parse_order(const char *text, dls_fe_order *order) {
@@ -543,8 +535,7 @@ static taken parse_order(const char *text, dls_fe_order *order) {
 static taken parse_young(const char *text, double *E) {
   const taken result = parse_number("young", text, E);
   if (result != OPTION_TAKEN || *E > 0) return result;
-  complain("--young: '%s' is not a number > 0", text);
-  return OPTION_WRONG;
+  return refuse("--young: '%s' is not a number > 0", text);
 }
 
 enum { KEY_YOUNG = 256, KEY_LOAD, KEY_ORDER, KEY_LIST };

@@ -327,10 +327,7 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
   int result = EXIT_BAD_INPUT;
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
-  settings.limits.tol = options->solver.settings.limits.tol;
-  settings.limits.max_iterations = options->solver.settings.limits.max_iterations;
-  settings.limits.progress = options->solver.settings.limits.progress;
-  settings.limits.progress_data = options->solver.settings.limits.progress_data;
+  settings.limits = options->solver.settings.limits;
   double *z = calloc(2 * (size_t)n, sizeof *z);
   if (!z || dls_lemke_create(&lemke, n, &settings, &error)) goto failed;
   dls_lemke_info info;
