@@ -50,14 +50,15 @@ static array_kind find_kind(const char *path) {
   const size_t got = fread(first, 1, sizeof first - 1, file);
   const int failed = ferror(file);
   (void)fclose(file);
-  if (failed) return refuse("%s: cannot be read", path);
+  if (failed) return (array_kind)refuse("%s: cannot be read", path);
   if (got >= 4 && memcmp(first, "PK\3\4", 4) == 0)
-    return refuse("%s: is a zip file; of an .npz write each array by numpy.save, a sparse matrix "
-                  "by scipy.io.mmwrite",
-                  path);
+    return (array_kind)refuse(
+        "%s: is a zip file; of an .npz write each array by numpy.save, a sparse matrix "
+        "by scipy.io.mmwrite",
+        path);
   if (got >= 8 && memcmp(first, "\x89HDF\r\n\x1a\n", 8) == 0)
-    return refuse("%s: is an HDF5 file, no matrix; a problem of FCLIB: delassus solve %s", path,
-                  path);
+    return (array_kind)refuse(
+        "%s: is an HDF5 file, no matrix; a problem of FCLIB: delassus solve %s", path, path);
   if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return ARRAY_MTX;
   return got >= 6 && memcmp(first, npy_magic, 6) == 0 ? ARRAY_NPY : ARRAY_TEXT;
 }

@@ -266,9 +266,8 @@ static dls_status chart_histories(chart *c, double limit, dls_error *error) {
   double *r = malloc((size_t)a->d * (size_t)a->nc * sizeof *r);
   dls_status status = r ? DLS_OK : DLS_E_MEMORY;
   for (int k = 0; k < a->count && status >= 0 && !was_interrupted(); k++) {
-    dls_info info;
     const double seconds = fmax(limit, 4 * race_trial(a, k, a->rungs - 1)->seconds);
-    status = record_history(&c->history[k], a, k, tol, seconds, r, &info, error);
+    status = record_history(&c->history[k], a, k, tol, seconds, r, error);
   }
   progress_end();
   free(r);

@@ -8,14 +8,11 @@
 
 static const double least_residual = 1e-17; /* 0 on a logarithmic axis */
 
-/* Panels: their edges in parts of the picture. */
-typedef struct panel {
-  double left, right, bottom, top;
-} panel;
-static const panel panels[4] = {{0.06, 0.48, 0.655, 0.90},
-                                {0.56, 0.98, 0.655, 0.90},
-                                {0.06, 0.48, 0.335, 0.58},
-                                {0.56, 0.98, 0.335, 0.58}};
+/* Panels: left, right, lower and upper edge in parts of the picture. */
+static const double panels[4][4] = {{0.06, 0.48, 0.655, 0.90},
+                                    {0.56, 0.98, 0.655, 0.90},
+                                    {0.06, 0.48, 0.335, 0.58},
+                                    {0.56, 0.98, 0.335, 0.58}};
 
 static double at_least(double x, double least) {
   return x > least ? x : least; /* NaN: least */
@@ -92,8 +89,8 @@ static ranges find_ranges(const chart *c) {
 }
 
 static void begin_panel(FILE *s, int i, const char *title, const char *x, const char *y) {
-  const panel *p = &panels[i];
-  place_panel(s, p->left, p->right, p->bottom, p->top);
+  const double *p = panels[i];
+  place_panel(s, p[0], p[1], p[2], p[3]);
   fprintf(s,
           "  unset label\n  unset arrow\n  unset object\n  set title '{/:Bold %s}' offset 0,-0.6\n"
           "  set xlabel '%s' offset 0,0.5\n  set ylabel '%s' offset 0.8,0\n",

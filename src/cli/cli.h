@@ -49,7 +49,6 @@ typedef struct nearest {
   char words[300];
 } nearest;
 void nearest_try(nearest *n, const char *name);
-void nearest_methods(nearest *n);
 
 /* Returns "; did you mean A, B or C?", or "" if no name is near. */
 const char *nearest_words(nearest *n);
@@ -59,9 +58,6 @@ const char *scene_name(int k);
 typedef enum scene_kind { NO_SCENE, SCENE_AT_ONCE, SCENE_FORMING, SCENE_MOVING } scene_kind;
 scene_kind kind_of_scene(const char *name);
 scene_kind kind_among(int argc, char **argv); /* of the first argument that is a scene */
-
-/* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
-int no_scene(const char *name);
 
 /* ---- json.c ---------------------------------------------------------------------------------- */
 
@@ -292,7 +288,7 @@ quoted quote(text_kind kind, const char *text);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Does the same; returns 0, which stands for OPTION_WRONG, too. */
+/* Does the same; returns 0, which as (taken) is OPTION_WRONG. */
 int refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
@@ -335,19 +331,14 @@ dls_status no_memory(dls_error *error);
 /* Returns "" for 1, else "s". */
 const char *plural(long long count);
 
-/* Returns the number with a decimal point that a text with one comma means, in room; else NULL. */
-const char *point_for_comma(const char *text, char *room, size_t size);
+/* Refuses a value that is `what`; of a number with a decimal comma, says how to write it. */
+int refuse_number(const char *option, const char *text, const char *what);
 
-/* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
+/* Reads the value of an option, finite and >= 0. */
 taken parse_number(const char *option, const char *text, double *value);
-taken parse_count(const char *option, const char *text, int *value);
-taken parse_count_to(const char *option, const char *text, int most, int *value);
 
 /* Finds a word among count; returns its place, or -1 after a complaint that lists them. */
 int parse_word(const char *option, const char *text, const char *const *words, int count);
-
-/* Reads the value of --mesh, NXxNY, two integers >= 1. */
-taken parse_mesh(const char *text, int *nx, int *ny);
 
 /* Returns the largest |v_i|; entries that are not a number do not count. */
 double largest_entry(const double *v, int n);
@@ -431,13 +422,8 @@ const char *method_word(const outcome *outcome);
 /* Prints the stages of auto, one a line; nothing for the other methods. */
 void print_stages(const dls_info *info);
 
-/* Prints what dls_explain says, a line each. */
-void print_explanation(const char *indent, const dls_info *info);
 /* Prints both parts of the residual, a line. */
 void print_residuals(const char *indent, const dls_certificate *c);
-
-/* Prints what is known of other answers, a line for each fact. */
-void print_others(const char *indent, const dls_info *info);
 
 /* info.c: prints a line for each of dls_diagnosis.hints. */
 void print_hints(const char *indent, int hints);
@@ -450,7 +436,8 @@ void print_json_string(FILE *out, const char *text);
 void print_json_number(FILE *out, double value);
 void print_json_field(FILE *out, const char *name, double value);
 
-/* Prints a field of an object whose value is an array of numbers. */
+/* Prints a field of an object whose value is an array of numbers; name: in its quotes, and what
+ * stands before it. */
 void print_json_numbers(FILE *out, const char *name, int n, const double *x);
 
 /* Prints a verdict as the next fields of an object; with proof = 1 the vectors, too. */

@@ -143,8 +143,9 @@ static void write_force(const outputs *o, const dls_forming_data *d, const char 
 
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
   if (!(o->force = open_in(directory, "force.csv")) ||
-      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
-      !(o->pressure = open_in(directory, "pressure.dat")))
+      !(o->contact = open_table(directory, "contact.csv",
+                                "travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n")) ||
+      !(o->series = open_series(directory)) || !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
         "assembly_cpu,reduction_cpu,contact_cpu,total_cpu,balance,by",
@@ -153,7 +154,6 @@ static int open_outputs(outputs *o, const char *directory, const dls_forming_dat
     fprintf(o->force, ",%s_x,%s_y", d->tool[k].name, d->tool[k].name);
   fputc('\n', o->force);
   write_force(o, d, "rest");
-  fputs("travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n", o->contact);
   return 1;
 }
 
@@ -264,7 +264,7 @@ static void print_forming_json(const forming_options *o, const dls_forming_data 
   fputs(",\n  \"tools\": [", out);
   for (int k = 0; k < d->tools; k++) {
     fprintf(out, "%s\n    {\"name\": \"%s\", ", k ? "," : "", d->tool[k].name);
-    print_json_numbers(out, "force", 2, d->tool[k].force);
+    print_json_numbers(out, "\"force\"", 2, d->tool[k].force);
     fputs("}", out);
   }
   fputs("]", out);

@@ -259,11 +259,11 @@ static void print_trust_json(int m, const trust *t) {
   fputc('[', stdout);
   for (int k = 0; k < listed(t); k++) {
     fputs(k ? ",\n    {" : "\n    {", stdout);
-    print_json_numbers(stdout, "r", m, t->r + k * m);
+    print_json_numbers(stdout, "\"r\"", m, t->r + k * m);
     fputs(", ", stdout);
-    print_json_numbers(stdout, "low", m, t->low + k * m);
+    print_json_numbers(stdout, "\"low\"", m, t->low + k * m);
     fputs(", ", stdout);
-    print_json_numbers(stdout, "high", m, t->high + k * m);
+    print_json_numbers(stdout, "\"high\"", m, t->high + k * m);
     fputc('}', stdout);
   }
   fputc(']', stdout);

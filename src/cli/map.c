@@ -249,7 +249,7 @@ static void list_columns(map_run *m, const problem *alone) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-int map_methods(int count, char **names, map_options *o) {
+static int map_methods(int count, char **names, map_options *o) {
   map_run *m = calloc(1, sizeof *m);
   problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
@@ -306,7 +306,7 @@ static taken take_range(const char *text, map_options *o) {
   if (sscanf(text, "%lf:%lf%c", &o->from, &o->to, &more) == 2 && o->from >= 0 && o->to > o->from &&
       isfinite(o->to))
     return OPTION_TAKEN;
-  return refuse("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
+  return (taken)refuse("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
 }
 
 static taken take_map_option(int key, const char *text, void *data) {

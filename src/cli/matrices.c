@@ -33,8 +33,10 @@ int matrices_given(const matrix_options *o) {
          o->weights || o->modes || o->dim || o->stabilize;
 }
 
-void matrices_usage(FILE *out) {
+void source_usage(FILE *out) {
   fputs(
+      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
+      "                        the most contacts that touch)\n\n"
       "Matrices of a host code, K x = f + H r, u = H^T x + g, as Matrix Market, .npy or plain\n"
       "text (the guide, 'Files', has the details):\n"
       "      --stiffness=K     n x n, sparse or dense; CalculiX's job.sti, with job.dof beside it\n"
@@ -134,12 +136,8 @@ static int read_vector(const char *option, const char *path, int count, double *
 
 /* Returns 1 if the text names a file; 0 after a complaint that it is none and no number. */
 static int is_file(const char *option, const char *text) {
-  char room[64];
-  const char *point = point_for_comma(text, room, sizeof room);
-  if (access(input_path(text), F_OK) == 0) return 1;
-  if (!point) return refuse("--%s: '%s' is neither a number nor a file", option, text);
-  return refuse("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
-                point);
+  return access(input_path(text), F_OK) == 0 ||
+         refuse_number(option, text, "neither a number nor a file");
 }
 
 /* Returns 1 for a friction that can be: >= 0, inf too; 0 after a complaint. c: candidate, or -1. */
@@ -511,14 +509,6 @@ int matrices_load(const matrix_options *o, problem *p) {
   p->g = own->g;
   p->mu = own->mu;
   return 1;
-}
-
-void source_usage(FILE *out) {
-  fputs(
-      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
-      "                        the most contacts that touch)\n\n",
-      out);
-  matrices_usage(out);
 }
 
 void matrices_free(struct matrices *own) {

@@ -191,30 +191,24 @@ const char *plural(long long count) {
   return count == 1 ? "" : "s";
 }
 
-const char *point_for_comma(const char *text, char *room, size_t size) {
-  char *end;
-  const char *comma = strchr(text, ',');
-  if (!comma || strchr(comma + 1, ',') || snprintf(room, size, "%s", text) >= (int)size)
-    return NULL;
-  room[comma - text] = '.';
+int refuse_number(const char *option, const char *text, const char *what) {
+  char room[64], *end, *comma;
+  (void)snprintf(room, sizeof room, "%s", text);
+  comma = strchr(room, ',');
+  if (comma) *comma = '.';
   (void)strtod(room, &end);
-  return end > room && !*end ? room : NULL;
+  if (!comma || end == room || *end || strlen(text) >= sizeof room)
+    return refuse("--%s: '%s' is %s", option, text, what);
+  return refuse("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
+                room);
 }
 
 taken parse_number(const char *option, const char *text, double *value) {
   char *end;
   errno = 0;
   const double v = strtod(text, &end);
-  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
-    char room[64];
-    const char *point = point_for_comma(text, room, sizeof room);
-    if (point)
-      complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
-               point);
-    else
-      complain("--%s: '%s' is not a number >= 0", option, text);
-    return OPTION_WRONG;
-  }
+  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0)
+    return (taken)refuse_number(option, text, "not a number >= 0");
   *value = v;
   return OPTION_TAKEN;
 }
@@ -228,27 +222,6 @@ int parse_word(const char *option, const char *text, const char *const *words, i
   }
   complain("--%s: '%s' is none of %s", option, text, all);
   return -1;
-}
-
-taken parse_mesh(const char *text, int *nx, int *ny) {
-  char more;
-  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
-  return refuse("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
-}
-
-taken parse_count(const char *option, const char *text, int *value) {
-  return parse_count_to(option, text, 1000000000, value);
-}
-
-taken parse_count_to(const char *option, const char *text, int most, int *value) {
-  char *end;
-  errno = 0;
-  const long v = strtol(text, &end, 10);
-  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
-    return refuse("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
-  }
-  *value = (int)v;
-  return OPTION_TAKEN;
 }
 
 double largest_entry(const double *v, int n) {
@@ -344,17 +317,12 @@ void print_json_field(FILE *out, const char *name, double value) {
 }
 
 void print_json_numbers(FILE *out, const char *name, int n, const double *x) {
-  fprintf(out, "\"%s\": [", name);
+  fprintf(out, "%s: [", name);
   for (int i = 0; i < n; i++) {
     if (i) fputs(", ", out);
     print_json_number(out, x[i]);
   }
   fputc(']', out);
-}
-
-static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
-  fputs(",\n  ", out);
-  print_json_numbers(out, name, n, x);
 }
 
 void print_json_verdict(FILE *out, const verdict *v, int proof) {
@@ -364,15 +332,9 @@ void print_json_verdict(FILE *out, const verdict *v, int proof) {
   fputs(",\n  \"next\": ", out);
   print_json_string(out, v->next);
   if (proof && v->farkas)
-    print_json_vector(out, v->exact ? "farkas" : "farkas_to_rounding", v->rows, v->farkas);
-  if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
-}
-
-void print_explanation(const char *indent, const dls_info *info) {
-  char text[200 * (DLS_STAGES_MAX + 4)];
-  (void)dls_explain(info, text, sizeof text);
-  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
-    printf("%s%s\n", indent, line);
+    print_json_numbers(out, v->exact ? ",\n  \"farkas\"" : ",\n  \"farkas_to_rounding\"", v->rows,
+                       v->farkas);
+  if (proof && v->ray) print_json_numbers(out, ",\n  \"ray\"", v->rows * v->stride, v->ray);
 }
 
 static void print_json_stages(FILE *out, const dls_info *info) {
@@ -399,14 +361,6 @@ void print_residuals(const char *indent, const dls_certificate *c) {
 
 static const char *uniqueness_word(dls_uniqueness unique) {
   return unique == DLS_UNIQUE_YES ? "yes" : unique == DLS_UNIQUE_NO ? "no" : "unknown";
-}
-
-void print_others(const char *indent, const dls_info *info) {
-  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
-  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
-  if (info->ambiguous)
-    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
-           plural(info->ambiguous));
 }
 
 static void print_json_unsettled(FILE *out, const unsettled *from) {

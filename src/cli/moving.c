@@ -61,7 +61,7 @@ static taken moving_mesh(const char *text, dls_moving_settings *s) {
   if ((sscanf(text, "%d%c", &s->nx, &more) == 1 && s->nx > 0) ||
       (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0))
     return OPTION_TAKEN;
-  return refuse("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
+  return (taken)refuse("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
 }
 
 enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MESH };
@@ -81,7 +81,7 @@ static taken take_moving_option(int key, const char *text, void *data) {
   case KEY_THETA:
     if (!parse_number("theta", text, &s->theta)) return OPTION_WRONG;
     if (s->theta >= 0.5 && s->theta <= 1) return OPTION_TAKEN;
-    return refuse("--theta: '%s' is not in .5 .. 1", text);
+    return (taken)refuse("--theta: '%s' is not in .5 .. 1", text);
   case KEY_MESH:
     return moving_mesh(text, s);
   default: /* m */

@@ -55,11 +55,6 @@ const char *nearest_words(nearest *n) {
   return n->words;
 }
 
-void nearest_methods(nearest *n) {
-  for (int k = 0; dls_method_name((dls_method)k); k++)
-    nearest_try(n, dls_method_name((dls_method)k));
-}
-
 static const char *(*const scene_names[])(int) = {[SCENE_AT_ONCE] = dls_fe_scene_name,
                                                   [SCENE_FORMING] = dls_forming_name,
                                                   [SCENE_MOVING] = dls_moving_name};
@@ -82,12 +77,4 @@ scene_kind kind_among(int argc, char **argv) {
   for (int k = 1; k < argc; k++)
     if (kind_of_scene(argv[k])) return kind_of_scene(argv[k]);
   return NO_SCENE;
-}
-
-int no_scene(const char *name) {
-  nearest near = {.word = name};
-  for (int k = 0; scene_name(k); k++)
-    nearest_try(&near, scene_name(k));
-  return complain("'%s' is no scene%s", name,
-                  near.count ? nearest_words(&near) : "; 'delassus scene --list' names them");
 }

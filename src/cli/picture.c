@@ -28,13 +28,9 @@ typedef struct open_file {
 static open_file *open_files;
 
 FILE *open_path(const char *path) {
-  dls_error error = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   open_file *entry = malloc(sizeof *entry);
-  if (!entry) {
-    (void)complain("%s: out of memory", path);
-    return NULL;
-  }
-  if (dlsi_output_open(&entry->out, path, &error)) {
+  if (!entry || dlsi_output_open(&entry->out, path, &error)) {
     (void)complain_of(path, &error);
     free(entry);
     return NULL;

@@ -177,20 +177,18 @@ static void print_auto(const profile *p, double *ratio) {
 
 static int draw_profile(const profile *p, const char *directory, double limit) {
   static const char *const targets[] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
-  const char *solvers[MOST_CONTENDERS], **names = malloc((size_t)p->problems * sizeof *names);
+  const char *solvers[MOST_CONTENDERS];
   const size_t cells = (size_t)p->solvers * (size_t)p->problems;
   double *seconds = malloc(PROFILE_TARGETS * cells * sizeof *seconds);
   char title[120], notes[160];
-  int good = names && seconds;
+  int good = seconds != NULL;
   for (int k = 0; k < p->solvers; k++)
     solvers[k] = p->who[k].name;
-  for (int i = 0; i < p->problems && good; i++) {
-    names[i] = p->name[i];
+  for (int i = 0; i < p->problems && good; i++)
     for (int t = 0; t < PROFILE_TARGETS; t++)
       for (int k = 0; k < p->solvers; k++)
         seconds[(t * p->solvers + k) * p->problems + i] =
             *profile_seconds(p, profile_target[t], k, i);
-  }
   (void)snprintf(title, sizeof title, "Every method on %d problem%s", p->problems,
                  plural(p->problems));
   (void)snprintf(
@@ -207,14 +205,12 @@ static int draw_profile(const profile *p, const char *directory, double limit) {
                                    .problems = p->problems,
                                    .targets = PROFILE_TARGETS,
                                    .solver = solvers,
-                                   .problem = names,
                                    .target = targets,
                                    .seconds = seconds};
   if (good)
     good = draw_profiles(&picture);
   else
     (void)complain("out of memory");
-  free(names);
   free(seconds);
   return good;
 }

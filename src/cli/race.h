@@ -132,6 +132,6 @@ typedef struct history {
 
 /* Solves once more by contender k and records. */
 dls_status record_history(history *h, race *a, int k, double tol, double limit, double *r,
-                          dls_info *info, dls_error *error);
+                          dls_error *error);
 
 #endif

@@ -366,13 +366,6 @@ static void print_admissible(const run *a) {
     printf("not admissible: %d pull, %d more lie outside of the cone\n", pulls, outside);
 }
 
-static void print_step(const scene_options *o, const dls_info *first) {
-  printf("first step, %s alone: %s, %d %s, residual %.1e\n",
-         o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(first->status),
-         first->iterations, iteration_word(first->method, first->iterations),
-         first->certificate.residual);
-}
-
 static void print_run(const run *a, const scene_options *o) {
   const outcome *out = &a->outcome;
   const dls_certificate *c = &out->info.certificate;
@@ -382,7 +375,11 @@ static void print_run(const run *a, const scene_options *o) {
                                                           : dls_status_text(out->info.status),
          out->info.iterations, iteration_word(out->info.method, out->info.iterations), c->residual,
          out->solve_cpu_seconds);
-  if (a->data.f_first) print_step(o, &a->first);
+  if (a->data.f_first)
+    printf("first step, %s alone: %s, %d %s, residual %.1e\n",
+           o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(a->first.status),
+           a->first.iterations, iteration_word(a->first.method, a->first.iterations),
+           a->first.certificate.residual);
   print_residuals("", c);
   print_stages(&out->info);
   if (out->primal)
@@ -426,17 +423,12 @@ static int write_csv(const run *a, const scene_options *o) {
   return close_file(file, "contact.csv");
 }
 
-static int write_json(const char *directory, const outcome *o) {
-  FILE *file = open_in(directory, "result.json");
-  if (!file) return 0;
-  print_json(file, o);
-  return close_file(file, "result.json");
-}
-
 static int write_files(const run *a, const scene_options *o) {
   char path[PATH_ROOM], name[256], title[256];
   dls_error error = {0};
-  if (!write_csv(a, o) || !write_json(o->out, &a->outcome)) return EXIT_BAD_INPUT;
+  FILE *json = write_csv(a, o) ? open_in(o->out, "result.json") : NULL;
+  if (json) print_json(json, &a->outcome);
+  if (!json || !close_file(json, "result.json")) return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
   for (int c = 0; c < a->data.candidates; c++)
@@ -522,7 +514,7 @@ static taken parse_load(const char *text, dls_fe_scene_settings *block) {
   if (count == 2) block->side_top = block->side;
   block->has_load = 1;
   if (count == 2 || (count == 4 && more == ',')) return OPTION_TAKEN;
-  return refuse("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
+  return (taken)refuse("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
 }
 
 static taken parse_order(const char *text, dls_fe_order *order) {
@@ -535,7 +527,7 @@ static taken parse_order(const char *text, dls_fe_order *order) {
 static taken parse_young(const char *text, double *E) {
   const taken result = parse_number("young", text, E);
   if (result != OPTION_TAKEN || *E > 0) return result;
-  return refuse("--young: '%s' is not a number > 0", text);
+  return (taken)refuse("--young: '%s' is not a number > 0", text);
 }
 
 enum { KEY_YOUNG = 256, KEY_LOAD, KEY_ORDER, KEY_LIST };
@@ -557,6 +549,14 @@ static taken take_scene_option(int key, const char *text, void *data) {
   }
 }
 
+/* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
+static int no_scene(const char *name) {
+  nearest near = {.word = name};
+  for (int k = 0; scene_name(k); k++)
+    nearest_try(&near, scene_name(k));
+  return complain("'%s' is no scene%s", name,
+                  near.count ? nearest_words(&near) : "; 'delassus scene --list' names them");
+}
 int command_scene(int argc, char **argv) {
   static const option_row options[] = {SOLVER_OPTIONS(scene_options, solver),
                                        ROW(A_MESH, "mesh", 0, scene_options, block.nx),

@@ -149,6 +149,23 @@ static int print_states(const problem *p, const double *r, const double *u) {
   return 1;
 }
 
+/* Prints what dls_explain says, a line each. */
+static void print_explanation(const char *indent, const dls_info *info) {
+  char text[200 * (DLS_STAGES_MAX + 4)];
+  (void)dls_explain(info, text, sizeof text);
+  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
+    printf("%s%s\n", indent, line);
+}
+
+/* Prints what is known of other answers, a line for each fact. */
+static void print_others(const char *indent, const dls_info *info) {
+  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
+  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
+  if (info->ambiguous)
+    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
+           plural(info->ambiguous));
+}
+
 enum { hint_rows = 300 }; /* of a problem that is looked at in full for a hint */
 
 /* Returns 0 after a complaint. */
@@ -370,6 +387,21 @@ end:
   return result;
 }
 
+/* Returns 1 if the options suit an LCP, 0 after a complaint. */
+static int suits_lcp(const solve_options *o) {
+  const dls_solver_settings *s = &o->solver.settings;
+  if ((o->solver.method_given || o->solver.accel_given) && s->method != DLS_LEMKE)
+    return refuse("--%s: an LCP is solved by lemke", o->solver.method_given ? "method" : "accel");
+  if (o->explain || s->plan || s->without)
+    return refuse("--plan, --without, --explain: are for contact problems");
+  if (!s->facets && !o->print && !o->csv && !o->prove && !s->forces) return 1;
+  return refuse("--%s: is for contact problems", s->facets  ? "facets"
+                                                 : o->print ? "print"
+                                                 : o->csv   ? "csv"
+                                                 : o->prove ? "prove"
+                                                            : "forces");
+}
+
 static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
   dls_error error = {0};
   double *M = NULL, *q = NULL;
@@ -400,19 +432,7 @@ static int solve_file(const char *path, const solve_options *options) {
                ? complain("--lcp: %s holds no LCP; a contact problem goes without --lcp", path)
                : solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
-  const dls_solver_settings *s = &options->solver.settings;
-  if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
-    (void)complain("%s: an LCP is solved by lemke", path);
-  else if (options->explain || s->plan || s->without)
-    (void)complain("--plan, --without, --explain: are for contact problems");
-  else if (s->facets)
-    (void)complain("--facets: is for contact problems and lemke");
-  else if (options->print || options->csv || options->prove || s->forces)
-    (void)complain("--%s: is for contact problems", options->print   ? "print"
-                                                    : options->csv   ? "csv"
-                                                    : options->prove ? "prove"
-                                                                     : "forces");
-  else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
+  if (suits_lcp(options) && dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
     result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
   dls_text_destroy(text);
   return result;
@@ -463,20 +483,16 @@ int command_solve(int argc, char **argv) {
   if (o.explain && is_json()) return complain("--explain, --json: one of the two");
   if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
   const int steps = o.explain || o.solver.settings.plan || o.solver.settings.without;
-  if (steps && (o.lcp || o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
+  if (steps && (o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
     return complain("--plan, --without, --explain: are for auto");
   if (o.print && is_json()) return complain("--print, --json: one of the two");
-  if (o.lcp && (named || o.print || o.csv || o.prove || o.solver.settings.forces))
-    return complain("--lcp: goes without --W, --stiffness, --flexibility, --print, --csv, --prove "
-                    "and --forces");
+  if (o.lcp && named) return complain("--lcp: goes without --W, --stiffness and --flexibility");
   const char *path = named ? named : argv[optind];
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
-  const dls_method method = o.solver.settings.method;
-  if (o.solver.settings.facets && (o.lcp || method != DLS_LEMKE))
+  if (o.solver.settings.facets && o.solver.settings.method != DLS_LEMKE)
     return complain("--facets: is for contact problems and lemke");
-  if (o.lcp && (o.solver.method_given || o.solver.accel_given) && method != DLS_LEMKE)
-    return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
+  if (o.lcp && !suits_lcp(&o)) return EXIT_BAD_INPUT;
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
   /* before the work: an answer that cannot be written is lost */
