@@ -128,7 +128,6 @@ help:
 	@echo 'make             libraries, program and examples, under $(BUILD)/'
 	@echo 'make demo        the Jean block with every method, tables and pictures'
 	@echo 'make refinement  its densities of reaction under refinement of the mesh'
-	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
 	@echo 'make charts-longer   then: how many cells of them ten times the limits change'
 	@echo 'make check       build and run all tests'
@@ -178,6 +177,7 @@ help:
 	@echo 'make bench-papers    the open questions of both papers, a picture each'
 	@echo 'make bench-hard      where methods fail: hard problems in 3D; BENCH=--page'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
+	@echo 'make bench-tables    both forming scenes of Chabrand (1998) by each method, beside the paper'
 	@echo 'make bench-report    the setting that delassus report advises beside a finer reference'
 	@echo 'make bench-all       all of these; hours on an idle machine; FCLIB=DIR'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
@@ -592,9 +592,13 @@ bench-papers: $(BUILD)/bench/papers demo
 bench-report: $(BUILD)/bench/report
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/report --out $(RESULTS) $(BENCH)
 
+.PHONY: bench-tables
+bench-tables: $(PROGRAM)
+	bench/tables.sh $(BUILD) $(RESULTS)
+
 # every page that a program writes, one after the other on this machine, which should be idle; hours
 .PHONY: bench-all
-BENCH_ALL = auto blocks derive dynamics global hard least lemke motion papers prove report scale steps trust
+BENCH_ALL = auto blocks derive dynamics global hard least lemke motion papers prove report scale steps tables trust
 bench-all:
 	@for name in $(BENCH_ALL); do $(MAKE) --no-print-directory bench-$$name || exit 1; done
 	@$(MAKE) --no-print-directory bench-auto BENCH=--price
@@ -616,10 +620,6 @@ demo:
 refinement: $(PROGRAM)
 	@examples/refinement.sh $(BUILD)
 
-.PHONY: tables
-tables: $(PROGRAM)
-	OPENBLAS_NUM_THREADS=1 $(PROGRAM) tables
-
 # every picture of the docs, from scratch: data, scripts and tables under $(BUILD)/charts
 .PHONY: charts
 charts: $(PROGRAM) $(BUILD)/bench/problems $(BUILD)/bench/hard
@@ -637,7 +637,7 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
-MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene converge tables solve info chart map profile report)
+MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene solve info chart map profile report)
 # problems that the guide solves
 DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 # the pages of the guide; the others are about the source

@@ -300,15 +300,15 @@ static double time_of(const report *p, size_t index, double target, const choice
 /* Draws the profiles of all scenes of dimension d. */
 static int draw_dimension(const report *p, int d) {
   static const char *const names[TARGETS] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
-  const char *labels[curve_count], **scenes = malloc((p->scene_count + 1) * sizeof *scenes);
+  const char *labels[curve_count];
   int peer[curve_count], count = 0, good = 1;
-  for (size_t s = 0; s < p->scene_count && scenes; s++)
-    if (p->scenes[s].d == d) scenes[count++] = p->scenes[s].name;
+  for (size_t s = 0; s < p->scene_count; s++)
+    count += p->scenes[s].d == d;
   double *seconds = malloc(((size_t)count + 1) * TARGETS * curve_count * sizeof *seconds);
   for (int i = 0; i < curve_count; i++) {
     labels[i] = curves[i].label;
     peer[i] = curves[i].peer;
-    for (int k = 0, at = 0; k < TARGETS && seconds && scenes; k++, at = 0)
+    for (int k = 0, at = 0; k < TARGETS && seconds; k++, at = 0)
       for (size_t s = 0; s < p->scene_count; s++) {
         if (p->scenes[s].d != d) continue;
         seconds[(k * curve_count + i) * count + at++] = time_of(p, s, targets[k], &curves[i]);
@@ -328,11 +328,9 @@ static int draw_dimension(const report *p, int d) {
                                    .targets = TARGETS,
                                    .solver = labels,
                                    .peer = peer,
-                                   .problem = scenes,
                                    .target = names,
                                    .seconds = seconds};
   if (count) good = seconds && draw_profiles(&picture);
-  free(scenes);
   free(seconds);
   return good ? 0 : -1;
 }

@@ -50,21 +50,15 @@ static array_kind find_kind(const char *path) {
   const size_t got = fread(first, 1, sizeof first - 1, file);
   const int failed = ferror(file);
   (void)fclose(file);
-  if (failed) {
-    (void)complain("%s: cannot be read", path);
-    return ARRAY_NONE;
-  }
-  if (got >= 4 && memcmp(first, "PK\3\4", 4) == 0) {
-    (void)complain("%s: is a zip file; of an .npz write each array by numpy.save, a sparse matrix "
-                   "by scipy.io.mmwrite",
-                   path);
-    return ARRAY_NONE;
-  }
-  if (got >= 8 && memcmp(first, "\x89HDF\r\n\x1a\n", 8) == 0) {
-    (void)complain("%s: is an HDF5 file, no matrix; a problem of FCLIB: delassus solve %s", path,
-                   path);
-    return ARRAY_NONE;
-  }
+  if (failed) return (array_kind)refuse("%s: cannot be read", path);
+  if (got >= 4 && memcmp(first, "PK\3\4", 4) == 0)
+    return (array_kind)refuse(
+        "%s: is a zip file; of an .npz write each array by numpy.save, a sparse matrix "
+        "by scipy.io.mmwrite",
+        path);
+  if (got >= 8 && memcmp(first, "\x89HDF\r\n\x1a\n", 8) == 0)
+    return (array_kind)refuse(
+        "%s: is an HDF5 file, no matrix; a problem of FCLIB: delassus solve %s", path, path);
   if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return ARRAY_MTX;
   return got >= 6 && memcmp(first, npy_magic, 6) == 0 ? ARRAY_NPY : ARRAY_TEXT;
 }
@@ -79,7 +73,7 @@ static int table_add(table *t, size_t count, size_t *room, double x) {
   if (count == *room) {
     *room = *room ? 2 * *room : 256;
     double *more = *room > SIZE_MAX / sizeof *more ? NULL : realloc(t->a, *room * sizeof *more);
-    if (!more) return complain("out of memory"), 0;
+    if (!more) return refuse("out of memory");
     t->a = more;
   }
   t->a[count] = x;
@@ -121,8 +115,8 @@ static int array_read_text(const char *path, FILE *file, table *t) {
     }
   }
   free(line);
-  if (good && count == 0) return complain("%s: holds no number", path), 0;
-  return good && (count <= INT_MAX || (complain("%s: holds too many numbers", path), 0));
+  if (good && count == 0) return refuse("%s: holds no number", path);
+  return good && (count <= INT_MAX || refuse("%s: holds too many numbers", path));
 }
 
 /* ---- .npy ------------------------------------------------------------------------------------ */
@@ -153,13 +147,13 @@ static int read_npy(const char *path, FILE *file, table *t) {
     unsigned char first;
   } order = {1};
   int by_columns = 0;
-  if (!order.first) return complain("%s: .npy is read on little-endian machines", path), 0;
+  if (!order.first) return refuse("%s: .npy is read on little-endian machines", path);
   if (!read_npy_header(file, &by_columns, t))
-    return complain("%s: is no .npy of float64 in one or two dimensions", path), 0;
+    return refuse("%s: is no .npy of float64 in one or two dimensions", path);
   const size_t rows = (size_t)t->rows, cols = (size_t)t->cols, size = rows * cols;
   struct stat entry; /* a claim of more than the file holds takes no memory */
   if (fstat(fileno(file), &entry) || size > (size_t)entry.st_size / sizeof *t->a)
-    return complain("%s: holds less than %zu numbers", path, size), 0;
+    return refuse("%s: holds less than %zu numbers", path, size);
   t->a = calloc(size, sizeof *t->a);
   double *x = calloc(size, sizeof *x);
   const int good = t->a && x && fread(x, sizeof *x, size, file) == size && getc(file) == EOF;
@@ -185,7 +179,7 @@ static int read_mtx_table(const char *path, table *t) {
   for (size_t e = 0; t->a && e < rows * cols; e++)
     t->a[e] = x[e / cols + e % cols * rows];
   dls_mtx_free(x);
-  return t->a || (complain("%s: out of memory", path), 0);
+  return t->a || refuse("%s: out of memory", path);
 }
 
 int table_read(const char *path, table *t) {
@@ -193,7 +187,7 @@ int table_read(const char *path, table *t) {
   const array_kind kind = find_kind(path);
   if (kind == ARRAY_NONE) return 0;
   if (kind == ARRAY_MTX) return read_mtx_table(path, t);
-  if (kind == ARRAY_CALCULIX) return complain("%s: is a sparse matrix", path), 0;
+  if (kind == ARRAY_CALCULIX) return refuse("%s: is a sparse matrix", path);
   FILE *file = array_open(path);
   if (!file) return 0;
   const int good = (kind == ARRAY_NPY ? read_npy : array_read_text)(path, file, t);
@@ -215,7 +209,7 @@ int sparse_alloc(int rows, int cols, size_t count, sparse *A) {
   A->i = malloc((count ? count : 1) * sizeof *A->i);
   A->x = malloc((count ? count : 1) * sizeof *A->x);
   A->view = (dls_sparse){rows, cols, A->p, A->i, A->x};
-  return (A->p && A->i && A->x) || (complain("out of memory"), 0);
+  return (A->p && A->i && A->x) || refuse("out of memory");
 }
 
 static int sparse_of_table(const table *t, sparse *A) {

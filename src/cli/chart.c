@@ -8,8 +8,6 @@
  * the reference, errors are measured from the improved one, and the radius of the proof is added:
  * they are bounds then. Methods that do not agree found different solutions.
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,15 +51,6 @@ static void chart_usage(FILE *out) {
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
-static double norm2(size_t n, const double *x, const double *y) {
-  double sum = 0;
-  for (size_t i = 0; i < n; i++) {
-    const double e = x[i] - (y ? y[i] : 0);
-    sum += e * e;
-  }
-  return sqrt(sum);
-}
-
 /* Returns the tightest rung that contender k solved, -1 if that is above `certain`. */
 static int chart_best_rung(const chart *c, int k) {
   for (int rung = c->race.rungs - 1; rung >= 0; rung--)
@@ -92,8 +81,8 @@ static dls_status chart_to_u(chart *c, dls_error *error) {
 /* Returns the distance of two answers, relative to the second or, of u, to q. */
 static double chart_distance(const chart *c, const double *x, const double *reference) {
   const size_t m = (size_t)c->race.d * (size_t)c->race.nc;
-  const double scale = norm2(m, c->in_u ? c->race.problem->q : reference, NULL);
-  return norm2(m, x, reference) / (scale > 0 ? scale : 1);
+  const double scale = distance(m, c->in_u ? c->race.problem->q : reference, NULL);
+  return distance(m, x, reference) / (scale > 0 ? scale : 1);
 }
 
 static double chart_residual(const chart *c, int k) {
@@ -106,9 +95,9 @@ static void chart_assign(chart *c, int k) {
   int at = 0;
   for (; at < c->answers; at++) {
     const int of = c->answer[at].of;
-    const double distance = chart_distance(c, x, race_answer(&c->race, of, chart_best_rung(c, of)));
-    if (distance > same_answer) continue;
-    if (c->answer[at].found_by++ == 1) c->answer[at].agreement = distance;
+    const double apart = chart_distance(c, x, race_answer(&c->race, of, chart_best_rung(c, of)));
+    if (apart > same_answer) continue;
+    if (c->answer[at].found_by++ == 1) c->answer[at].agreement = apart;
     break;
   }
   if (at == c->answers) c->answer[c->answers++] = (chart_answer){k, 1, NAN, NULL};
@@ -172,9 +161,8 @@ static void chart_errors(chart *c) {
       *error = NAN;
       if (race_trial(a, k, rung)->end != ENDED_SOLVED) continue;
       for (int at = 0; at < c->answers; at++) {
-        const double distance =
-            chart_distance(c, race_answer(a, k, rung), chart_reference_of(c, at));
-        const double e = fmax(distance + (c->answer[at].proved ? c->answer[at].agreement : 0),
+        const double apart = chart_distance(c, race_answer(a, k, rung), chart_reference_of(c, at));
+        const double e = fmax(apart + (c->answer[at].proved ? c->answer[at].agreement : 0),
                               c->answer[at].agreement);
         if (!(*error <= e)) *error = e;
       }
@@ -278,9 +266,8 @@ static dls_status chart_histories(chart *c, double limit, dls_error *error) {
   double *r = malloc((size_t)a->d * (size_t)a->nc * sizeof *r);
   dls_status status = r ? DLS_OK : DLS_E_MEMORY;
   for (int k = 0; k < a->count && status >= 0 && !was_interrupted(); k++) {
-    dls_info info;
     const double seconds = fmax(limit, 4 * race_trial(a, k, a->rungs - 1)->seconds);
-    status = record_history(&c->history[k], a, k, tol, seconds, r, &info, error);
+    status = record_history(&c->history[k], a, k, tol, seconds, r, error);
   }
   progress_end();
   free(r);

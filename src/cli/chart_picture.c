@@ -3,20 +3,16 @@
  * panels, and under them the table, which is the key of all four.
  */
 #include <math.h>
-#include <stdlib.h>
 
 #include "chart.h"
 
 static const double least_residual = 1e-17; /* 0 on a logarithmic axis */
 
-/* Panels: their edges in parts of the picture. */
-typedef struct panel {
-  double left, right, bottom, top;
-} panel;
-static const panel panels[4] = {{0.06, 0.48, 0.655, 0.90},
-                                {0.56, 0.98, 0.655, 0.90},
-                                {0.06, 0.48, 0.335, 0.58},
-                                {0.56, 0.98, 0.335, 0.58}};
+/* Panels: left, right, lower and upper edge in parts of the picture. */
+static const double panels[4][4] = {{0.06, 0.48, 0.655, 0.90},
+                                    {0.56, 0.98, 0.655, 0.90},
+                                    {0.06, 0.48, 0.335, 0.58},
+                                    {0.56, 0.98, 0.335, 0.58}};
 
 static double at_least(double x, double least) {
   return x > least ? x : least; /* NaN: least */
@@ -26,10 +22,10 @@ static double at_least(double x, double least) {
 
 static int write_chart_csv(const chart *c, const char *directory) {
   const race *a = &c->race;
-  FILE *file = open_in(directory, "chart.csv");
+  FILE *file = open_table(
+      directory, "chart.csv",
+      "method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer,longer\n");
   if (!file) return 0;
-  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer,longer\n",
-        file);
   for (int k = 0; k < a->count; k++)
     for (int rung = 0; rung < a->rungs; rung++) {
       const trial *t = race_trial(a, k, rung);
@@ -44,9 +40,8 @@ static int write_chart_csv(const chart *c, const char *directory) {
 }
 
 static int write_history_csv(const chart *c, const char *directory) {
-  FILE *file = open_in(directory, "history.csv");
+  FILE *file = open_table(directory, "history.csv", "method,iteration,cpu_s,residual\n");
   if (!file) return 0;
-  fputs("method,iteration,cpu_s,residual\n", file);
   for (int k = 0; k < c->race.count; k++)
     for (int i = 0; i < c->history[k].points; i++)
       fprintf(file, "%s,%d,%.4e,%.6e\n", c->race.who[k].name, c->history[k].iteration[i],
@@ -94,8 +89,8 @@ static ranges find_ranges(const chart *c) {
 }
 
 static void begin_panel(FILE *s, int i, const char *title, const char *x, const char *y) {
-  const panel *p = &panels[i];
-  place_panel(s, p->left, p->right, p->bottom, p->top);
+  const double *p = panels[i];
+  place_panel(s, p[0], p[1], p[2], p[3]);
   fprintf(s,
           "  unset label\n  unset arrow\n  unset object\n  set title '{/:Bold %s}' offset 0,-0.6\n"
           "  set xlabel '%s' offset 0,0.5\n  set ylabel '%s' offset 0.8,0\n",

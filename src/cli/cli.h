@@ -20,12 +20,10 @@ int command_scene(int argc, char **argv);
 int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
-int command_tables(int argc, char **argv);
 int command_chart(int argc, char **argv);
 int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_moving(int argc, char **argv);
-int command_converge(int argc, char **argv);
 int command_report(int argc, char **argv);
 
 enum { PATH_ROOM = 4096 }; /* of a path */
@@ -51,7 +49,6 @@ typedef struct nearest {
   char words[300];
 } nearest;
 void nearest_try(nearest *n, const char *name);
-void nearest_methods(nearest *n);
 
 /* Returns "; did you mean A, B or C?", or "" if no name is near. */
 const char *nearest_words(nearest *n);
@@ -62,15 +59,26 @@ typedef enum scene_kind { NO_SCENE, SCENE_AT_ONCE, SCENE_FORMING, SCENE_MOVING }
 scene_kind kind_of_scene(const char *name);
 scene_kind kind_among(int argc, char **argv); /* of the first argument that is a scene */
 
-/* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
-int no_scene(const char *name);
-
 /* ---- json.c ---------------------------------------------------------------------------------- */
 
-/* Cuts a line of CSV into at most MOST_FIELDS fields in place; returns their number. A field in
- * quotes may hold commas, and "" for a quote. */
+/* A table in a CSV file, row by row: the names of its columns, and the fields of the row at hand. A
+ * field in quotes may hold commas, and "" for a quote. */
 enum { MOST_FIELDS = 24, LONGEST_LINE = 8192 };
-int cut_fields(char *line, char **field);
+typedef struct csv_table {
+  FILE *file;
+  int columns, fields;
+  char *column[MOST_FIELDS], *field[MOST_FIELDS];
+  char head[LONGEST_LINE], line[LONGEST_LINE];
+} csv_table;
+
+/* Opens DIRECTORY/NAME and reads its columns; returns 0 if it cannot be read. */
+int csv_open(csv_table *t, const char *directory, const char *name);
+
+/* Reads the next row, past comments; returns 0, and closes the file, after the last. */
+int csv_next(csv_table *t);
+
+/* Returns the place of a column, whose name has `length` letters; -1 for none. */
+int csv_column(const csv_table *t, const char *name, size_t length);
 
 /* Begins the object that --json prints: its title, status and, where it is not NULL, why. */
 void print_json_head(const char *title, const char *status, const char *why);
@@ -286,6 +294,9 @@ quoted quote(text_kind kind, const char *text);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Does the same; returns 0, which as (taken) is OPTION_WRONG. */
+int refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
  * Returns its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
 int run_command(int (*run)(int argc, char **argv), char **argv, char *why);
@@ -320,22 +331,29 @@ int end_command(int result, const char *why);
 /* Complains of an error of the library about `what` (a file name, say). */
 int complain_of(const char *what, const dls_error *error);
 
+/* Fills in *error and returns DLS_E_MEMORY. */
+dls_status no_memory(dls_error *error);
+
 /* Returns "" for 1, else "s". */
 const char *plural(long long count);
 
-/* Returns the number with a decimal point that a text with one comma means, in room; else NULL. */
-const char *point_for_comma(const char *text, char *room, size_t size);
+/* Refuses a value that is `what`; of a number with a decimal comma, says how to write it. */
+int refuse_number(const char *option, const char *text, const char *what);
 
-/* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
+/* Reads the value of an option, finite and >= 0. */
 taken parse_number(const char *option, const char *text, double *value);
-taken parse_count(const char *option, const char *text, int *value);
-taken parse_count_to(const char *option, const char *text, int most, int *value);
 
-/* Reads the value of --mesh, NXxNY, two integers >= 1. */
-taken parse_mesh(const char *text, int *nx, int *ny);
+/* Finds a word among count; returns its place, or -1 after a complaint that lists them. */
+int parse_word(const char *option, const char *text, const char *const *words, int count);
 
 /* Returns the largest |v_i|; entries that are not a number do not count. */
 double largest_entry(const double *v, int n);
+
+/* Returns |x - y|_2, or |x|_2 where y is NULL. */
+double distance(size_t n, const double *x, const double *y);
+
+/* Compares two doubles, for qsort: the smallest first. */
+int ascending(const void *a, const void *b);
 
 /* Return the words of JSON for a status ("solved", "max_iterations", ...), for a state and for an
  * iteration of a method. */
@@ -410,13 +428,8 @@ const char *method_word(const outcome *outcome);
 /* Prints the stages of auto, one a line; nothing for the other methods. */
 void print_stages(const dls_info *info);
 
-/* Prints what dls_explain says, a line each. */
-void print_explanation(const char *indent, const dls_info *info);
 /* Prints both parts of the residual, a line. */
 void print_residuals(const char *indent, const dls_certificate *c);
-
-/* Prints what is known of other answers, a line for each fact. */
-void print_others(const char *indent, const dls_info *info);
 
 /* info.c: prints a line for each of dls_diagnosis.hints. */
 void print_hints(const char *indent, int hints);
@@ -428,6 +441,10 @@ void print_json(FILE *out, const outcome *outcome);
 void print_json_string(FILE *out, const char *text);
 void print_json_number(FILE *out, double value);
 void print_json_field(FILE *out, const char *name, double value);
+
+/* Prints a field of an object whose value is an array of numbers; name: in its quotes, and what
+ * stands before it. */
+void print_json_numbers(FILE *out, const char *name, int n, const double *x);
 
 /* Prints a verdict as the next fields of an object; with proof = 1 the vectors, too. */
 void print_json_verdict(FILE *out, const verdict *v, int proof);
@@ -509,12 +526,23 @@ int make_directory(const char *path);
 FILE *open_path(const char *path);
 FILE *open_in(const char *directory, const char *name);
 
+/* Opens a file in a directory, and writes its first line. */
+FILE *open_table(const char *directory, const char *name, const char *head);
+
 /* Closes a file that was opened so, by its name in a complaint; returns 1 if all of it was
  * written. Otherwise the old one stays. */
 int close_file(FILE *file, const char *name);
 
+/* Closes all files that are open, in the order they were opened, up to one that was not written. */
+int close_files(void);
+
 /* Gives up the files that are still open; old ones stay. */
 void drop_files(void);
+
+/* Set the open files aside, so that a command within another one does not drop them; put them back,
+ * and drop what that command left open. */
+struct open_file *set_files_aside(void);
+void put_files_back(struct open_file *files);
 
 /* Open and close DIRECTORY/series.pvd; NULL, or 0, after a complaint. */
 dls_fe_series *open_series(const char *directory);
@@ -580,38 +608,18 @@ int draw_history(const char *directory, const char *title);
 
 /* ---- moving.c -------------------------------------------------------------------------------- */
 
-/* The options of bodies that move, their lines of --help, and the function that takes some of them;
- * OPTION_UNKNOWN for another key. member: dls_moving_settings in the data of a command. */
-enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MOVING_MESH };
-#define MOVING_OPTIONS(type, member)                                                               \
-  VALUE("law", KEY_LAW), VALUE("theta", KEY_THETA), VALUE("mass", KEY_MASS),                       \
-      ROW(A_NUMBER, "e", 0, type, member.restitution),                                             \
-      ROW(A_NUMBER, "courant", 0, type, member.courant),                                           \
-      ROW(A_COUNT, "steps", 'n', type, member.steps), VALUE("mesh", KEY_MOVING_MESH),              \
-      ROW(A_COUNT, "upper", 0, type, member.upper), ROW(A_NUMBER, "mu", 0, type, member.mu),       \
-      ROW(A_NUMBER, "amplitude", 0, type, member.amplitude),                                       \
-      ROW(A_NUMBER, "frequency", 0, type, member.frequency), VALUE("method", 'm'),                 \
-      ROW(A_NUMBER, "tol", 't', type, member.limits.tol)
-void moving_usage_options(FILE *out);
-taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
-
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_moving_step(const dls_moving_data *data);
 
-/* Draw energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data, and
- * converge.* with the line factor h^order beside converge.csv (moving_picture.c); EXIT_SOLVED, or
- * EXIT_BAD_INPUT after a complaint. */
+/* Draws energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data
+ * (moving_picture.c); EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_moving(const char *directory, const dls_moving_data *data);
-int draw_convergence(const char *directory, const char *name, double order, double factor);
 
 /* ---- forming.c ------------------------------------------------------------------------------- */
 
 /* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",
  * "augmented-lagrangian", "penalty" in the equilibrium loop. Returns 0 for no method. */
 int forming_method(const char *name, dls_forming_settings *settings);
-
-/* Counts the candidates that carry a reaction. */
-int count_contacts(const dls_forming_data *data);
 
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);

@@ -18,7 +18,7 @@ _delassus() {
         names=$(delassus "$command" $scene --help 2>/dev/null | grep -o -e '--[A-Za-z][A-Za-z-]*')
       else
         case $command in
-        scene | converge) names=$(delassus help scenes 2>/dev/null) ;;
+        scene) names=$(delassus help scenes 2>/dev/null) ;;
         solve | info | chart | map | profile | report) names=$(delassus help scenes 2>/dev/null) ;;
         help) names="$(delassus help commands 2>/dev/null) methods scenes" ;;
         esac

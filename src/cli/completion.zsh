@@ -26,7 +26,7 @@ _delassus() {
     return
   fi
   case $command in
-  scene | converge | solve | info | chart | map | profile | report)
+  scene | solve | info | chart | map | profile | report)
     names=(${(f)"$(delassus help scenes 2>/dev/null)"})
     compadd -a names ;;
   help)

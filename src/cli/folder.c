@@ -19,7 +19,7 @@ static int read_owner(const char *directory, char line[PATH_ROOM]) {
   if (!join_path(path, directory, owner_file)) return 0;
   FILE *file = fopen(path, "r");
   if (!file && errno == ENOENT) return 1;
-  if (!file) return complain("%s: %s", path, strerror(errno)), 0;
+  if (!file) return refuse("%s: %s", path, strerror(errno));
   if (!fgets(line, PATH_ROOM, file)) line[0] = '\0';
   line[strcspn(line, "\n")] = '\0';
   return fclose(file) == 0;

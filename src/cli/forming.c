@@ -10,8 +10,6 @@
  *   mesh, plastic, pressure, force (.dat or .csv, .gp, .png, .svg)
  */
 #define _GNU_SOURCE
-#include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +24,6 @@ typedef struct forming_options {
   double at[MOST_AT];
   int at_count;
   const char *out, *save; /* NULL: none */
-  int json;
 } forming_options;
 
 static void forming_usage(FILE *out) {
@@ -78,7 +75,8 @@ int forming_method(const char *name, dls_forming_settings *settings) {
   return 1;
 }
 
-int count_contacts(const dls_forming_data *data) {
+/* Counts the candidates that carry a reaction. */
+static int count_contacts(const dls_forming_data *data) {
   int count = 0;
   for (int c = 0; c < data->candidates; c++)
     count += data->r[2 * c] > 0;
@@ -122,22 +120,6 @@ static void write_contacts(FILE *file, const dls_forming_data *d) {
   }
 }
 
-/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
- * leaves those after it as they were. */
-static int close_outputs(outputs *o) {
-  int good = close_series(o->series);
-  if (o->force) good = good && close_file(o->force, "force.csv");
-  if (o->contact) good = good && close_file(o->contact, "contact.csv");
-  if (o->pressure) good = good && close_file(o->pressure, "pressure.dat");
-  return good;
-}
-
-/* Gives the files up; those of before stay. */
-static void drop_outputs(outputs *o) {
-  o->force = o->contact = o->pressure = NULL;
-  drop_files();
-}
-
 /* Returns the word for the way that solved a step. */
 static const char *way_word(dls_forming_way way) {
   static const char *const words[] = {
@@ -162,8 +144,9 @@ static void write_force(const outputs *o, const dls_forming_data *d, const char 
 
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
   if (!(o->force = open_in(directory, "force.csv")) ||
-      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
-      !(o->pressure = open_in(directory, "pressure.dat")))
+      !(o->contact = open_table(directory, "contact.csv",
+                                "travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n")) ||
+      !(o->series = open_series(directory)) || !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
         "assembly_cpu,reduction_cpu,contact_cpu,total_cpu,balance,by",
@@ -172,7 +155,6 @@ static int open_outputs(outputs *o, const char *directory, const dls_forming_dat
     fprintf(o->force, ",%s_x,%s_y", d->tool[k].name, d->tool[k].name);
   fputc('\n', o->force);
   write_force(o, d, "rest");
-  fputs("travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n", o->contact);
   return 1;
 }
 
@@ -241,14 +223,6 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
          d->cpu.assembly, d->cpu.reduction, d->cpu.contact);
 }
 
-static void print_json_point(FILE *out, const char *name, const double x[2]) {
-  fprintf(out, "\"%s\": [", name);
-  print_json_number(out, x[0]);
-  fputs(", ", out);
-  print_json_number(out, x[1]);
-  fputs("]", out);
-}
-
 static void print_json_fault(FILE *out, const dls_forming_fault *fault) {
   fprintf(out, ",\n  \"refused\": {\"element\": %d, \"corner\": %d, \"node\": %d", fault->element,
           fault->corner, fault->node);
@@ -291,7 +265,7 @@ static void print_forming_json(const forming_options *o, const dls_forming_data 
   fputs(",\n  \"tools\": [", out);
   for (int k = 0; k < d->tools; k++) {
     fprintf(out, "%s\n    {\"name\": \"%s\", ", k ? "," : "", d->tool[k].name);
-    print_json_point(out, "force", d->tool[k].force);
+    print_json_numbers(out, "\"force\"", 2, d->tool[k].force);
     fputs("}", out);
   }
   fputs("]", out);
@@ -306,8 +280,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
   dls_forming_data d;
   dls_error error = {0};
   dls_forming_get(forming, &d);
-  if (!o->json && !is_quiet())
-    puts("    travel         force  contacts  max strain  equilibr.   residual");
+  if (prints_text()) puts("    travel         force  contacts  max strain  equilibr.   residual");
   for (int step = 1; step <= d.steps; step++) {
     const double before = d.travel;
     *status = dls_forming_step(forming, &error);
@@ -320,7 +293,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
     const int stop = show_step(&d, step);
     if (asked || stop) {
       progress_end();
-      if (!o->json && !is_quiet()) print_state(&d);
+      if (prints_text()) print_state(&d);
     }
     if (out->force && !write_step(out, o, forming, step, asked || stop)) return 0;
     if (stop && !*status) *status = DLS_CANCELLED;
@@ -345,7 +318,7 @@ static int run_forming(const forming_options *o) {
       dls_forming_data d;
       dls_forming_get(forming, &d);
       const double seconds = cpu_seconds() - out.start;
-      if (o->json)
+      if (is_json())
         print_forming_json(o, &d, status, seconds);
       else if (!is_quiet())
         print_forming_summary(o, &d, status, seconds);
@@ -353,8 +326,8 @@ static int run_forming(const forming_options *o) {
         fprintf(out.force, "# %s at %.6g of %.6g mm\n", dls_status_text(status), d.travel, d.whole);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  if (result == EXIT_BAD_INPUT) drop_outputs(&out);
-  if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
+  if (result == EXIT_BAD_INPUT) drop_files();
+  if (!close_series(out.series) || !close_files()) result = EXIT_BAD_INPUT;
   if (o->save && result != EXIT_BAD_INPUT) {
     dls_contact last;
     if (dls_forming_problem(forming, &last, &error) ||
@@ -372,7 +345,7 @@ static int run_forming(const forming_options *o) {
         !own->nx && !own->ny && own->mu < 0 && !own->steps && !own->clamped && own->ram_mu == 0;
     if (draw_forming(o->out, title, &d, as_is) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
-  if (result != EXIT_BAD_INPUT && !o->json) print_ending(status, NULL);
+  if (result != EXIT_BAD_INPUT && !is_json()) print_ending(status, NULL);
   dls_forming_destroy(forming);
   return result;
 }
@@ -430,7 +403,6 @@ int command_forming(int argc, char **argv) {
   const int stop = take_options(argc, argv, &forming, &o);
   if (stop != GO_ON) return stop;
   o.name = argv[optind];
-  o.json = is_json();
   watch_interrupt();
   return run_forming(&o);
 }

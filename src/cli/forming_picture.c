@@ -77,9 +77,10 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
   for (int i = 0; i < d->mesh->nodes; i++)
     largest = fmax(largest, hypot(d->reaction[2 * i], d->reaction[2 * i + 1]));
   const double arrow = largest > 0 ? (w.turned ? 0.15 : 0.25) * (w.hi[1] - w.lo[1]) / largest : 0;
-  FILE *data = open_in(directory, "mesh.dat");
+  FILE *data =
+      open_table(directory, "mesh.dat",
+                 "# blocks 0, 1: tools and elements at rest; 2, 3: deformed; 4: contact forces\n");
   if (!data) return 0;
-  fputs("# blocks 0, 1: tools and elements at rest; 2, 3: deformed; 4: contact forces\n", data);
   for (int deformed = 0; deformed < 2; deformed++) {
     put_tools(data, &w, d, deformed ? 0 : d->travel);
     for (int e = 0; e < d->mesh->quads; e++) {
@@ -123,9 +124,9 @@ static int write_plastic(const char *directory, const char *title, const dls_for
   double largest = 0;
   view w;
   fit_view(d, &w);
-  FILE *data = open_in(directory, "plastic.dat");
+  FILE *data = open_table(directory, "plastic.dat",
+                          "# block 0: tools, 1: elements with their plastic strain\n");
   if (!data) return 0;
-  fputs("# block 0: tools, 1: elements with their plastic strain\n", data);
   put_tools(data, &w, d, 0);
   for (int e = 0; e < d->mesh->quads; e++) {
     const double *p = d->plastic_strain + 4 * e, mean = (p[0] + p[1] + p[2] + p[3]) / 4;
@@ -252,9 +253,8 @@ void write_pressures(FILE *data, const dls_forming_data *d) {
 
 /* Writes pressure and shear at the end. */
 static int write_end(const char *directory, const dls_forming_data *d) {
-  FILE *data = open_in(directory, "pressure_end.dat");
+  FILE *data = open_table(directory, "pressure_end.dat", "# position, pressure, shear\n");
   if (!data) return 0;
-  fputs("# position, pressure, shear\n", data);
   put_pressures(data, d, "");
   return close_file(data, "pressure_end.dat");
 }

@@ -1,10 +1,8 @@
 /* hints.c: says on stderr what is plausible and wrong in the matrices of a host code. A hint
  * refuses nothing. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "hints.h"
 

@@ -42,9 +42,10 @@ static int history_note(void *data, const dls_progress *p) {
 }
 
 dls_status record_history(history *h, race *a, int k, double tol, double limit, double *r,
-                          dls_info *info, dls_error *error) {
+                          dls_error *error) {
+  dls_info info;
   *h = (history){.every = 1};
   const dls_limits limits = {
       .tol = tol, .progress = history_note, .progress_data = h, .cpu_seconds = limit};
-  return race_call(a, k, &limits, r, info, error);
+  return race_call(a, k, &limits, r, &info, error);
 }

@@ -11,24 +11,19 @@ enum { PICTURE_STAGES = 12 };
 /* Collects the names of the stages in a history.csv, its fourth column; returns how many, -1 after
  * a complaint. */
 static int read_stages(const char *directory, char stage[PICTURE_STAGES][32]) {
-  char path[PATH_ROOM], line[200];
+  csv_table t;
   int count = 0;
-  if (!join_path(path, directory, "history.csv")) return -1;
-  FILE *file = fopen(path, "r");
-  if (!file) {
-    (void)complain("%s: cannot be read again", path);
+  if (!csv_open(&t, directory, "history.csv")) {
+    (void)complain("%s/history.csv: cannot be read again", directory);
     return -1;
   }
-  while (fgets(line, sizeof line, file)) {
-    line[strcspn(line, "\n")] = '\0';
-    const char *name = strrchr(line, ',');
-    if (!name || !strcmp(++name, "stage")) continue;
+  while (csv_next(&t)) {
+    const char *name = t.field[t.fields - 1];
     int k = 0;
     while (k < count && strncmp(stage[k], name, 31) != 0)
       k++;
     if (k == count && count < PICTURE_STAGES) (void)snprintf(stage[count++], 32, "%s", name);
   }
-  (void)fclose(file);
   return count;
 }
 

@@ -1,6 +1,4 @@
 /* info.c: delassus info FILE: tells facts about a contact problem, in words or as JSON. */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 
 #include "matrices.h"
@@ -243,15 +241,6 @@ static void flaw_field(const char *name, const dls_flaw *flaw) {
   fputc('}', stdout);
 }
 
-static void array_field(const char *name, int m, const double *x) {
-  printf("\"%s\": [", name);
-  for (int i = 0; i < m; i++) {
-    if (i) fputs(", ", stdout);
-    print_json_number(stdout, x[i]);
-  }
-  fputc(']', stdout);
-}
-
 /* Prints the fold, null if it is not known or at infinity, and the solutions, null if not known. */
 static void print_trust_json(int m, const trust *t) {
   field("fold", t->has_fold ? t->fold.friction : (double)NAN);
@@ -270,11 +259,11 @@ static void print_trust_json(int m, const trust *t) {
   fputc('[', stdout);
   for (int k = 0; k < listed(t); k++) {
     fputs(k ? ",\n    {" : "\n    {", stdout);
-    array_field("r", m, t->r + k * m);
+    print_json_numbers(stdout, "\"r\"", m, t->r + k * m);
     fputs(", ", stdout);
-    array_field("low", m, t->low + k * m);
+    print_json_numbers(stdout, "\"low\"", m, t->low + k * m);
     fputs(", ", stdout);
-    array_field("high", m, t->high + k * m);
+    print_json_numbers(stdout, "\"high\"", m, t->high + k * m);
     fputc('}', stdout);
   }
   fputc(']', stdout);

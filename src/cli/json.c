@@ -1,13 +1,12 @@
 /* json.c: the object that --json prints of a command whose result is a table (chart, map, profile)
  * or a run in time. */
-#define _GNU_SOURCE
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli.h"
 
-int cut_fields(char *line, char **field) {
+/* Cuts a line into fields in place; returns their number. */
+static int cut_fields(char *line, char **field) {
   int count = 0;
   char *at = line;
   while (count < MOST_FIELDS) {
@@ -27,6 +26,31 @@ int cut_fields(char *line, char **field) {
   return count;
 }
 
+int csv_open(csv_table *t, const char *directory, const char *name) {
+  char path[PATH_ROOM];
+  t->columns = 0;
+  t->file = join_path(path, directory, name) ? fopen(path, "r") : NULL;
+  while (t->file && !t->columns && fgets(t->head, sizeof t->head, t->file))
+    if (t->head[0] != '#') t->columns = cut_fields(t->head, t->column);
+  if (t->columns) return 1;
+  if (t->file) (void)fclose(t->file);
+  return 0;
+}
+
+int csv_next(csv_table *t) {
+  do {
+    if (!fgets(t->line, sizeof t->line, t->file)) return (void)fclose(t->file), 0;
+  } while (t->line[0] == '#');
+  t->fields = cut_fields(t->line, t->field);
+  return 1;
+}
+
+int csv_column(const csv_table *t, const char *name, size_t length) {
+  for (int k = 0; k < t->columns; k++)
+    if (strlen(t->column[k]) == length && !strncmp(t->column[k], name, length)) return k;
+  return -1;
+}
+
 /* Prints a field: as a number if it is one, null for an empty one or what is not finite. */
 static void print_field(const char *text) {
   char *end;
@@ -41,30 +65,20 @@ static void print_field(const char *text) {
 
 /* Prints the rows of a table of DIRECTORY as an array of objects. */
 static int print_rows(const char *directory, const char *name) {
-  char path[PATH_ROOM], line[LONGEST_LINE], head[LONGEST_LINE], *column[MOST_FIELDS];
-  if (!join_path(path, directory, name)) return 0;
-  FILE *file = fopen(path, "r");
-  if (!file || !fgets(head, sizeof head, file)) {
-    if (file) (void)fclose(file);
-    return complain("%s: cannot be read", path), 0;
-  }
-  const int columns = cut_fields(head, column);
+  csv_table t;
+  if (!csv_open(&t, directory, name)) return refuse("%s/%s: cannot be read", directory, name);
   fputs(",\n  \"rows\": [", stdout);
-  for (int row = 0; fgets(line, sizeof line, file);) {
-    char *field[MOST_FIELDS];
-    if (line[0] == '#') continue;
-    const int count = cut_fields(line, field);
-    fputs(row++ ? ",\n    {" : "\n    {", stdout);
-    for (int k = 0; k < count && k < columns; k++) {
+  for (int row = 0; csv_next(&t); row++) {
+    fputs(row ? ",\n    {" : "\n    {", stdout);
+    for (int k = 0; k < t.fields && k < t.columns; k++) {
       if (k) fputs(", ", stdout);
-      print_json_string(stdout, column[k]);
+      print_json_string(stdout, t.column[k]);
       fputs(": ", stdout);
-      print_field(field[k]);
+      print_field(t.field[k]);
     }
     fputc('}', stdout);
   }
   fputs("\n  ]", stdout);
-  (void)fclose(file);
   return 1;
 }
 

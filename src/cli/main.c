@@ -12,9 +12,6 @@ static void program_usage(FILE *out) {
         "Solves problems of unilateral contact with Coulomb friction.\n"
         "\n"
         "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
-        "  delassus converge SCENE\n"
-        "                        error of a bar that hits a wall against the length of an element\n"
-        "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
         "  delassus solve FILE   solve a problem from a file (FCLIB or text), or of a scene\n"
         "  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU\n"
         "                        solve a problem from the matrices of a host code\n"
@@ -48,10 +45,8 @@ static int blas_takes_memory(void) {
   if (!openblas_set_num_threads) return 1;
   void *const trial =
       mmap(NULL, wanted, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (trial == MAP_FAILED) {
-    (void)complain("no memory for the buffer of OpenBLAS: 160 MB of address space (ulimit -v)");
-    return 0;
-  }
+  if (trial == MAP_FAILED)
+    return refuse("no memory for the buffer of OpenBLAS: 160 MB of address space (ulimit -v)");
   (void)munmap(trial, wanted);
   dsyrk_("L", "N", &one, &one, &x, &x, &one, &zero, &y, &one, 1, 1);
   return 1;
@@ -67,10 +62,10 @@ static int run_scene_command(int argc, char **argv) {
 static const struct {
   const char *name;
   int (*run)(int argc, char **argv);
-} commands[] = {
-    {"scene", run_scene_command}, {"converge", command_converge}, {"tables", command_tables},
-    {"solve", command_solve},     {"info", command_info},         {"chart", command_chart},
-    {"map", command_map},         {"profile", command_profile},   {"report", command_report}};
+} commands[] = {{"scene", run_scene_command}, {"solve", command_solve},
+                {"info", command_info},       {"chart", command_chart},
+                {"map", command_map},         {"profile", command_profile},
+                {"report", command_report}};
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 /* Returns the place of a command, -1 for none. */

@@ -3,8 +3,6 @@
  * rows are the problems, at their own friction. Beside it the largest reaction, which grows without
  * bound where the body jams.
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,10 +78,7 @@ static dls_status map_race(map_run *m, int row, const dls_contact *contact, cons
     fprintf(m->csv, "%s,%.9g,%s,%s,%.4e,%d,%.3e\n", quote(AS_CSV, m->picture.row[row]).text,
             m->mu[row], a.who[k].name, ending_word(t->end), t->seconds, t->iterations, t->residual);
     if (t->end != ENDED_SOLVED || isfinite(m->side[row])) continue;
-    const double *r = race_answer(&a, k, 0);
-    m->side[row] = 0;
-    for (int i = 0; i < a.d * a.nc; i++)
-      m->side[row] = fmax(m->side[row], fabs(r[i]));
+    m->side[row] = largest_entry(race_answer(&a, k, 0), a.d * a.nc);
   }
   fflush(m->csv);
   race_free(&a);
@@ -109,18 +104,9 @@ static void add_line(map_run *m, double mu, const char *colour, const char *text
 
 /* Writes friction `mu` into values: of the largest, the others in proportion. */
 static void scale_friction(const dls_contact *contact, double mu, double *values) {
-  double most = 0;
-  for (int c = 0; c < contact->nc; c++)
-    most = fmax(most, contact->mu[c]);
+  const double most = largest_entry(contact->mu, contact->nc);
   for (int c = 0; c < contact->nc; c++)
     values[c] = most > 0 ? mu * (contact->mu[c] / most) : mu;
-}
-
-static double own_friction(const dls_contact *contact) {
-  double most = 0;
-  for (int c = 0; c < contact->nc; c++)
-    most = fmax(most, contact->mu[c]);
-  return most;
 }
 
 /* Goes up the rows by auto, each from the answer of the row below; returns the last friction that
@@ -155,21 +141,16 @@ static double continue_rows(const map_run *m, const dls_contact *given, const ma
 
 /* ---- rows of friction ------------------------------------------------------------------------ */
 
-static int by_friction(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Chooses the rows: the range, and the problem's own friction. */
 static int choose_rows(map_run *m, const dls_contact *contact, const map_options *o) {
-  const double own = own_friction(contact), to = o->to < 0 ? 10 : o->to;
+  const double own = largest_entry(contact->mu, contact->nc), to = o->to < 0 ? 10 : o->to;
   int rows = o->rows ? o->rows : 18, is_there = own == 0;
   if (rows > most_rows_of_friction) rows = most_rows_of_friction;
   spread_friction(o->from, to, rows, m->mu);
   for (int i = 0; i < rows; i++)
     is_there |= m->mu[i] == own;
   if (!is_there) m->mu[rows++] = own;
-  qsort(m->mu, (size_t)rows, sizeof m->mu[0], by_friction);
+  qsort(m->mu, (size_t)rows, sizeof m->mu[0], ascending);
   for (int i = 0; i < rows; i++)
     (void)snprintf(m->picture.row[i], MAP_NAME, "%.3g%s", m->mu[i],
                    m->mu[i] == own ? " (own)" : "");
@@ -236,7 +217,7 @@ static dls_status map_problems(map_run *m, int count, char **names, const map_op
       status = was_interrupted() ? DLS_CANCELLED : DLS_E_FILE;
     else {
       (void)snprintf(m->picture.row[row], MAP_NAME, "%s", subject.name);
-      m->mu[row] = own_friction(&subject.contact);
+      m->mu[row] = largest_entry(subject.contact.mu, subject.contact.nc);
       status = map_race(m, row, &subject.contact, &subject, o, &stop, error);
     }
     problem_free(&subject);
@@ -268,7 +249,7 @@ static void list_columns(map_run *m, const problem *alone) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-int map_methods(int count, char **names, map_options *o) {
+static int map_methods(int count, char **names, map_options *o) {
   map_run *m = calloc(1, sizeof *m);
   problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
@@ -288,9 +269,9 @@ int map_methods(int count, char **names, map_options *o) {
   if (!status) list_columns(m, count > 1 ? NULL : &subject);
   /* the files complain by themselves */
   if (!status && (o->out = take_folder(o->out, "map", count > 1 ? NULL : at)) &&
-      (m->csv = open_in(o->out, "map.csv"))) {
+      (m->csv =
+           open_table(o->out, "map.csv", "row,mu,method,verdict,cpu_s,iterations,residual\n"))) {
     m->picture.directory = o->out;
-    fputs("row,mu,method,verdict,cpu_s,iterations,residual\n", m->csv);
     if (count > 1) {
       status = map_problems(m, count, names, o, &at, &error);
       (void)snprintf(title, sizeof title, "Who solves what: %d problem%s", m->picture.rows,
@@ -325,8 +306,7 @@ static taken take_range(const char *text, map_options *o) {
   if (sscanf(text, "%lf:%lf%c", &o->from, &o->to, &more) == 2 && o->from >= 0 && o->to > o->from &&
       isfinite(o->to))
     return OPTION_TAKEN;
-  complain("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
-  return OPTION_WRONG;
+  return (taken)refuse("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
 }
 
 static taken take_map_option(int key, const char *text, void *data) {

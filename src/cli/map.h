@@ -66,7 +66,6 @@ typedef struct map_options {
 
 enum { map_longer = 10 }; /* times its limit that a cell may take before it is not decided */
 
-int map_methods(int count, char **names, map_options *o);
 int map_against(const char *name, map_options *o); /* map_against.c */
 /* moves = 1: a scene of bodies that move, 0: forming (map_steps.c) */
 int map_steps(const char *name, map_options *o, int moves);

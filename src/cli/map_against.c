@@ -232,22 +232,15 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
   return status;
 }
 
-static int find_damage(const char *name, damage *kind) {
-  for (int k = 0; k < DAMAGES; k++)
-    if (strcmp(damages[k].name, name) == 0) {
-      *kind = (damage)k;
-      return 1;
-    }
-  return 0;
-}
-
 int map_against(const char *name, map_options *o) {
   against a = {0};
   char title[200], subtitle[200], notes[200];
   problem subject = {0};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  if (!find_damage(o->against, &a.kind))
+  while (a.kind < DAMAGES && strcmp(damages[a.kind].name, o->against))
+    a.kind++;
+  if (a.kind == DAMAGES)
     return complain(
         "--against: '%s' is none of condition, rank, skew (and mesh, of scenes in steps)",
         o->against);

@@ -6,7 +6,6 @@
  *
  * docs/files.md says what each file holds.
  */
-#define _GNU_SOURCE
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -34,8 +33,10 @@ int matrices_given(const matrix_options *o) {
          o->weights || o->modes || o->dim || o->stabilize;
 }
 
-void matrices_usage(FILE *out) {
+void source_usage(FILE *out) {
   fputs(
+      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
+      "                        the most contacts that touch)\n\n"
       "Matrices of a host code, K x = f + H r, u = H^T x + g, as Matrix Market, .npy or plain\n"
       "text (the guide, 'Files', has the details):\n"
       "      --stiffness=K     n x n, sparse or dense; CalculiX's job.sti, with job.dof beside it\n"
@@ -112,14 +113,20 @@ static double *new_vector(size_t count) {
   return x;
 }
 
+/* Returns 1 if the table has one or the other number of entries; 0 after a complaint. */
+static int holds(const char *option, const char *path, const table *t, int one, int other) {
+  const size_t count = table_count(t);
+  if (count == (size_t)one || count == (size_t)other) return 1;
+  char or_other[24] = "";
+  if (other != one) (void)snprintf(or_other, sizeof or_other, " or %d", other);
+  return refuse("--%s: %s holds %zu number%s, must hold %d%s", option, path, count,
+                plural((long long)count), one, or_other);
+}
+
 /* Reads exactly `count` numbers, row by row. */
 static int read_vector(const char *option, const char *path, int count, double **x) {
   table t;
-  const int good = table_read(path, &t) &&
-                   (table_count(&t) == (size_t)count ||
-                    (complain("--%s: %s holds %zu number%s, must hold %d", option, path,
-                              table_count(&t), plural((long long)table_count(&t)), count),
-                     0));
+  const int good = table_read(path, &t) && holds(option, path, &t, count, count);
   if (good)
     *x = t.a;
   else
@@ -129,24 +136,15 @@ static int read_vector(const char *option, const char *path, int count, double *
 
 /* Returns 1 if the text names a file; 0 after a complaint that it is none and no number. */
 static int is_file(const char *option, const char *text) {
-  char room[64];
-  const char *point = point_for_comma(text, room, sizeof room);
-  if (access(input_path(text), F_OK) == 0) return 1;
-  if (point)
-    complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text, point);
-  else
-    complain("--%s: '%s' is neither a number nor a file", option, text);
-  return 0;
+  return access(input_path(text), F_OK) == 0 ||
+         refuse_number(option, text, "neither a number nor a file");
 }
 
 /* Returns 1 for a friction that can be: >= 0, inf too; 0 after a complaint. c: candidate, or -1. */
 static int check_friction(double mu, const char *text, int c) {
   if (mu >= 0) return 1;
-  if (c < 0)
-    complain("--mu: friction is %s, must be a number >= 0", text);
-  else
-    complain("--mu: %s: the friction of contact %d is %g, must be a number >= 0", text, c, mu);
-  return 0;
+  if (c < 0) return refuse("--mu: friction is %s, must be a number >= 0", text);
+  return refuse("--mu: %s: the friction of contact %d is %g, must be a number >= 0", text, c, mu);
 }
 
 /* Reads the friction: one number for all candidates, or one each. */
@@ -157,13 +155,8 @@ static int read_friction(const char *text, int nc, double **mu) {
   int good = *mu != NULL;
   const int number = text && is_number(text, &each);
   if (good && number) good = check_friction(each, text, -1);
-  if (good && text && !number) {
-    good = is_file("mu", text) && table_read(text, &t);
-    if (good && table_count(&t) != 1 && table_count(&t) != (size_t)nc)
-      good = (complain("--mu: %s holds %zu number%s, must hold 1 or %d", text, table_count(&t),
-                       plural((long long)table_count(&t)), nc),
-              0);
-  }
+  if (good && text && !number)
+    good = is_file("mu", text) && table_read(text, &t) && holds("mu", text, &t, 1, nc);
   for (int c = 0; good && c < nc; c++) {
     (*mu)[c] = !t.a ? each : table_count(&t) == 1 ? t.a[0] : t.a[c];
     if (t.a) good = check_friction((*mu)[c], text, c);
@@ -180,13 +173,8 @@ static int read_gaps(const char *text, int d, int nodes, double **g) {
   *g = new_vector((size_t)d * (size_t)nodes);
   int good = *g != NULL, whole = 0;
   if (good && text && !is_number(text, &each)) {
-    good = is_file("g", text) && table_read(text, &t);
-    const size_t count = good ? table_count(&t) : 0;
-    whole = count == (size_t)d * (size_t)nodes;
-    if (good && !whole && count != (size_t)nodes)
-      good = (complain("--g: %s holds %zu number%s, must hold %d or %d", text, count,
-                       plural((long long)count), nodes, d * nodes),
-              0);
+    good = is_file("g", text) && table_read(text, &t) && holds("g", text, &t, nodes, d * nodes);
+    whole = good && table_count(&t) == (size_t)d * (size_t)nodes;
   }
   for (int c = 0; good && c < nodes; c++)
     for (int i = 0; i < (whole ? d : 1); i++)
@@ -200,25 +188,23 @@ static int read_gaps(const char *text, int d, int nodes, double **g) {
 /* Reads job.dof beside job.sti: lines node.direction, one for each of the n unknowns. */
 static int read_numbering(const char *sti, int n, struct matrices *own) {
   char path[PATH_ROOM], line[64];
-  if (strlen(sti) >= sizeof path) return complain("%s: the name is too long", sti), 0;
+  if (strlen(sti) >= sizeof path) return refuse("%s: the name is too long", sti);
   strcpy(path, sti);
   strcpy(path + strlen(path) - 4, ".dof");
   FILE *file = fopen(path, "r");
-  if (!file) return complain("%s: cannot be opened, CalculiX writes it beside %s", path, sti), 0;
+  if (!file) return refuse("%s: cannot be opened, CalculiX writes it beside %s", path, sti);
   own->node = malloc((size_t)n * sizeof *own->node);
   own->direction = malloc((size_t)n * sizeof *own->direction);
-  int good = own->node && own->direction ? 1 : (complain("out of memory"), 0), k = 0;
+  int good = own->node && own->direction ? 1 : refuse("out of memory"), k = 0;
   while (good && fgets(line, sizeof line, file)) {
     if (k >= n || sscanf(line, "%d.%1d", &own->node[k], &own->direction[k]) != 2 ||
         own->node[k] < 1)
-      good =
-          (complain("%s: line %d is no node.direction of %d unknown%s", path, k + 1, n, plural(n)),
-           0);
+      good = refuse("%s: line %d is no node.direction of %d unknown%s", path, k + 1, n, plural(n));
     k++;
   }
   (void)fclose(file);
   if (good && k != n)
-    good = (complain("%s: holds %d unknown%s, %s has %d", path, k, plural(k), sti, n), 0);
+    good = refuse("%s: holds %d unknown%s, %s has %d", path, k, plural(k), sti, n);
   return good;
 }
 
@@ -244,10 +230,9 @@ static int read_loads(const char *path, int d, int n, int numbered, struct matri
   int good = table_read(path, &t);
   const int whole = good && table_count(&t) == (size_t)n;
   if (good && !whole && !(numbered && t.cols == 3))
-    good = (complain("--f: %s holds %zu number%s, must hold %d%s", path, table_count(&t),
-                     plural((long long)table_count(&t)), n,
-                     numbered ? ", or rows of node, direction and value" : ""),
-            0);
+    good = refuse("--f: %s holds %zu number%s, must hold %d%s", path, table_count(&t),
+                  plural((long long)table_count(&t)), n,
+                  numbered ? ", or rows of node, direction and value" : "");
   for (int e = 0; whole && e < n; e++)
     own->f[e] = t.a[e];
   for (int i = 0; good && !whole && i < t.rows; i++) {
@@ -255,9 +240,8 @@ static int read_loads(const char *path, int d, int n, int numbered, struct matri
     const int is_place = row[0] >= 1 && row[0] < INT_MAX && row[1] >= 1 && row[1] <= d;
     const int e = is_place ? find_unknown(own, d, n, (int)row[0], (int)row[1] - 1) : -2;
     if (e == -2)
-      good = (complain("--f: %s, row %d: there is no node %g with direction %g", path, i + 1,
-                       row[0], row[1]),
-              0);
+      good = refuse("--f: %s, row %d: there is no node %g with direction %g", path, i + 1, row[0],
+                    row[1]);
     else if (e >= 0)
       own->f[e] += row[2]; /* a load where a node is held moves nothing */
   }
@@ -321,14 +305,13 @@ static int operators_of_nodes(const char *path, int n, const struct matrices *ow
   table t;
   int good = table_read(path, &t);
   if (good && t.cols != 3 && t.cols != 4)
-    good = (complain("--nodes: %s has %d column%s, must have 'node n_x n_y [n_z]'", path, t.cols,
-                     plural(t.cols)),
-            0);
+    good = refuse("--nodes: %s has %d column%s, must have 'node n_x n_y [n_z]'", path, t.cols,
+                  plural(t.cols));
   if (good) {
     *d = t.cols - 1;
     const size_t cols = (size_t)*d * (size_t)t.rows;
-    good = cols <= INT_MAX / 3 ? sparse_alloc(n, (int)cols, 3 * cols, H)
-                               : (complain("--nodes: too many"), 0);
+    good =
+        cols <= INT_MAX / 3 ? sparse_alloc(n, (int)cols, 3 * cols, H) : refuse("--nodes: too many");
   }
   int entries = 0;
   for (int c = 0; good && c < t.rows; c++) {
@@ -336,9 +319,9 @@ static int operators_of_nodes(const char *path, int n, const struct matrices *ow
     double frame[3][3] = {{row[1], row[2], *d == 3 ? row[3] : 0}};
     const int node = row[0] >= 1 && row[0] < INT_MAX ? (int)row[0] : 0;
     if (find_unknown(own, *d, n, node, 0) == -2)
-      good = (complain("--nodes: %s, row %d: there is no node %g", path, c + 1, row[0]), 0);
+      good = refuse("--nodes: %s, row %d: there is no node %g", path, c + 1, row[0]);
     else if (!complete_frame(*d, frame))
-      good = (complain("--nodes: %s, row %d: has no normal", path, c + 1), 0);
+      good = refuse("--nodes: %s, row %d: has no normal", path, c + 1);
     for (int i = 0; good && i < *d; i++) {
       H->p[*d * c + i] = entries;
       for (int k = 0; k < *d; k++) {
@@ -374,15 +357,14 @@ static int find_dimension(const matrix_options *o, int m) {
     complain("--dim: 2 or 3 is wanted: %d columns of H or rows of W fit %s", m,
              m % 6 ? "neither" : "both");
   else if (m % d)
-    d = (complain("--dim: %d does not divide %d, the columns of H or rows of W", d, m), 0);
+    d = refuse("--dim: %d does not divide %d, the columns of H or rows of W", d, m);
   return d;
 }
 
 /* Checks the rows of an operator against the n unknowns of K. */
 static int has_rows(const char *option, const char *path, const dls_sparse *A, int n) {
   if (A->rows == n) return 1;
-  complain("--%s: %s has %d row%s, must have %d", option, path, A->rows, plural(A->rows), n);
-  return 0;
+  return refuse("--%s: %s has %d row%s, must have %d", option, path, A->rows, plural(A->rows), n);
 }
 
 /* Reads H_N and H_T in one of the three ways; sets model->d and nodes. */
@@ -398,13 +380,11 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
       const int cols = own->HT.view.cols;
       d = cols == 2 * nodes ? 3 : 2;
       if (good && nodes == 2 * cols)
-        return complain("--HT: %s has %d column%s, --HN %d: are --HN and --HT exchanged?", o->HT,
-                        cols, plural(cols), nodes),
-               0;
+        return refuse("--HT: %s has %d column%s, --HN %d: are --HN and --HT exchanged?", o->HT,
+                      cols, plural(cols), nodes);
       if (good && (cols != (d - 1) * nodes || (o->dim && d != o->dim)))
-        good = (complain("--HT: %s has %d column%s; --HN has %d, so %d or %d are wanted", o->HT,
-                         cols, plural(cols), nodes, nodes, 2 * nodes),
-                0);
+        good = refuse("--HT: %s has %d column%s; --HN has %d, so %d or %d are wanted", o->HT, cols,
+                      plural(cols), nodes, nodes, 2 * nodes);
     } else if (good) { /* no tangents */
       d = o->dim ? o->dim : 2;
       good = sparse_alloc(n, (d - 1) * nodes, 0, &own->HT);
@@ -417,7 +397,7 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
       good = sparse_read(o->H, &H) && has_rows("H", o->H, &H.view, n) &&
              (d = find_dimension(o, H.view.cols)) > 0;
     if (good) good = split_columns(&H.view, d, &own->HN, &own->HT);
-    if (good && o->dim && o->dim != d) good = (complain("--dim: the normals have %d parts", d), 0);
+    if (good && o->dim && o->dim != d) good = refuse("--dim: the normals have %d parts", d);
     sparse_free(&H);
   }
   model->d = d;
@@ -434,7 +414,7 @@ static int read_square(const char *option, const char *path, int *n, double **a)
   table t;
   int good = table_read(path, &t);
   if (good && t.rows != t.cols)
-    good = (complain("--%s: %s is %d x %d, must be square", option, path, t.rows, t.cols), 0);
+    good = refuse("--%s: %s is %d x %d, must be square", option, path, t.rows, t.cols);
   if (good) good = (*a = table_by_columns(path, &t)) != NULL;
   *n = t.rows;
   free(t.a);
@@ -446,10 +426,9 @@ static int read_square(const char *option, const char *path, int *n, double **a)
 static int choose_factorization(const char *path, int symmetric, const char *triangle,
                                 dls_model *model) {
   if (!symmetric && triangle)
-    return complain("--stiffness: %s is %s triangle; half of a symmetric matrix goes as the lower "
-                    "triangle of a Matrix Market file that says 'symmetric'",
-                    path, triangle),
-           0;
+    return refuse("--stiffness: %s is %s triangle; half of a symmetric matrix goes as the lower "
+                  "triangle of a Matrix Market file that says 'symmetric'",
+                  path, triangle);
   model->factorization = symmetric ? DLS_CHOLESKY : DLS_LU;
   return symmetric >= 0;
 }
@@ -467,9 +446,8 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
   model->Ks = own->Ks.view;
   model->n = model->Ks.rows;
   if (model->Ks.rows != model->Ks.cols)
-    return complain("--stiffness: %s is %d x %d, must be square", path, model->Ks.rows,
-                    model->Ks.cols),
-           0;
+    return refuse("--stiffness: %s is %d x %d, must be square", path, model->Ks.rows,
+                  model->Ks.cols);
   return choose_factorization(path, sparse_is_symmetric(&model->Ks), sparse_triangle(&model->Ks),
                               model) &&
          (!array_is_calculix(path) || read_numbering(path, model->n, own));
@@ -499,7 +477,7 @@ static int load_modes(const char *path, struct matrices *own, dls_model *model) 
 int matrices_load(const matrix_options *o, problem *p) {
   if (!check_matrices(o)) return 0;
   struct matrices *own = p->matrices = calloc(1, sizeof *own);
-  if (!own) return complain("out of memory"), 0;
+  if (!own) return refuse("out of memory");
   if (o->W) return load_condensed(o, p);
   dls_model *model = &p->model;
   if (o->stiffness) {
@@ -522,7 +500,7 @@ int matrices_load(const matrix_options *o, problem *p) {
     return 0;
   if (o->HN && !o->HT) { /* without tangents there is no friction */
     for (int c = 0; c < candidates; c++)
-      if (own->mu[c] != 0) return complain("--mu: friction needs the tangents, --HT"), 0;
+      if (own->mu[c] != 0) return refuse("--mu: friction needs the tangents, --HT");
     model->mu = own->mu;
   }
   hint_operators(model);
@@ -531,14 +509,6 @@ int matrices_load(const matrix_options *o, problem *p) {
   p->g = own->g;
   p->mu = own->mu;
   return 1;
-}
-
-void source_usage(FILE *out) {
-  fputs(
-      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
-      "                        the most contacts that touch)\n\n",
-      out);
-  matrices_usage(out);
 }
 
 void matrices_free(struct matrices *own) {

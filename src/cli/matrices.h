@@ -22,9 +22,6 @@ const char *matrices_name(const matrix_options *options);
 /* Returns 1 if any of the options is given. */
 int matrices_given(const matrix_options *options);
 
-/* Prints the part of --help. */
-void matrices_usage(FILE *out);
-
 /* Reads all files: sets p->model, f, g and mu, or p->contact from --W. Returns 1, or 0 after a
  * complaint; free p in both cases. */
 int matrices_load(const matrix_options *options, problem *p);
@@ -59,6 +56,7 @@ typedef struct source {
  * contact do not take, with a line on stderr for each. NULL after a complaint. */
 char **source_names(int *count, char **argv, const source *from);
 
+/* Prints the part of --help. */
 void source_usage(FILE *out);
 
 #endif

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <float.h>
-#include <getopt.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -16,21 +15,38 @@
 static int loudness, json; /* -1 quiet, 1 verbose; 1: --json */
 static char *complaint;    /* of a command within another one (run_command), or NULL */
 
-int complain(const char *format, ...) {
+static void complain_with(const char *format, va_list args) {
   char text[QUOTED_ROOM];
-  va_list args;
-  va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
-  va_end(args);
   if (complaint)
     (void)snprintf(complaint, PATH_ROOM, "%s", text);
   else
     fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
+}
+
+int complain(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  complain_with(format, args);
+  va_end(args);
   return EXIT_BAD_INPUT;
+}
+
+int refuse(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  complain_with(format, args);
+  va_end(args);
+  return 0;
 }
 
 int complain_of(const char *what, const dls_error *error) {
   return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
+}
+
+dls_status no_memory(dls_error *error) {
+  *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+  return DLS_E_MEMORY;
 }
 
 static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
@@ -140,8 +156,6 @@ const char *freedom_words(int freedom, dls_forces forces, char *text) {
 }
 
 const char *proof_words(const dls_proof *proof, char *text, size_t size) {
-  static const char *const words[] = {
-      [DLS_FREE] = "free", [DLS_SLIP] = "slip", [DLS_STICK] = "stick"};
   if (proof->kind == DLS_PROVED && proof->radius == 0)
     (void)snprintf(text, size, "proved: reactions exact");
   else if (proof->kind == DLS_PROVED)
@@ -151,7 +165,7 @@ const char *proof_words(const dls_proof *proof, char *text, size_t size) {
                    proof->radius_u, proof->freedom, proof->freedom > 1 ? "es" : "");
   else if (proof->border)
     (void)snprintf(text, size, "not proved: contact %d is at the border between %s and %s",
-                   proof->contact, words[proof->state], words[proof->other]);
+                   proof->contact, state_word(proof->state), state_word(proof->other));
   else
     (void)snprintf(text, size, "not proved");
   return text;
@@ -177,55 +191,37 @@ const char *plural(long long count) {
   return count == 1 ? "" : "s";
 }
 
-const char *point_for_comma(const char *text, char *room, size_t size) {
-  char *end;
-  const char *comma = strchr(text, ',');
-  if (!comma || strchr(comma + 1, ',') || snprintf(room, size, "%s", text) >= (int)size)
-    return NULL;
-  room[comma - text] = '.';
+int refuse_number(const char *option, const char *text, const char *what) {
+  char room[64], *end, *comma;
+  (void)snprintf(room, sizeof room, "%s", text);
+  comma = strchr(room, ',');
+  if (comma) *comma = '.';
   (void)strtod(room, &end);
-  return end > room && !*end ? room : NULL;
+  if (!comma || end == room || *end || strlen(text) >= sizeof room)
+    return refuse("--%s: '%s' is %s", option, text, what);
+  return refuse("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
+                room);
 }
 
 taken parse_number(const char *option, const char *text, double *value) {
   char *end;
   errno = 0;
   const double v = strtod(text, &end);
-  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
-    char room[64];
-    const char *point = point_for_comma(text, room, sizeof room);
-    if (point)
-      complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
-               point);
-    else
-      complain("--%s: '%s' is not a number >= 0", option, text);
-    return OPTION_WRONG;
-  }
+  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0)
+    return (taken)refuse_number(option, text, "not a number >= 0");
   *value = v;
   return OPTION_TAKEN;
 }
 
-taken parse_mesh(const char *text, int *nx, int *ny) {
-  char more;
-  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
-  complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
-  return OPTION_WRONG;
-}
-
-taken parse_count(const char *option, const char *text, int *value) {
-  return parse_count_to(option, text, 1000000000, value);
-}
-
-taken parse_count_to(const char *option, const char *text, int most, int *value) {
-  char *end;
-  errno = 0;
-  const long v = strtol(text, &end, 10);
-  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
-    complain("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
-    return OPTION_WRONG;
+int parse_word(const char *option, const char *text, const char *const *words, int count) {
+  char all[100] = "";
+  for (int k = 0; k < count; k++) {
+    if (!strcmp(text, words[k])) return k;
+    const size_t used = strlen(all);
+    (void)snprintf(all + used, sizeof all - used, "%s%s", k ? ", " : "", words[k]);
   }
-  *value = (int)v;
-  return OPTION_TAKEN;
+  complain("--%s: '%s' is none of %s", option, text, all);
+  return -1;
 }
 
 double largest_entry(const double *v, int n) {
@@ -233,6 +229,20 @@ double largest_entry(const double *v, int n) {
   for (int i = 0; i < n; i++)
     if (fabs(v[i]) > m) m = fabs(v[i]);
   return m;
+}
+
+double distance(size_t n, const double *x, const double *y) {
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) {
+    const double e = x[i] - (y ? y[i] : 0);
+    sum += e * e;
+  }
+  return sqrt(sum);
+}
+
+int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
 }
 
 const char *status_word(dls_status status) {
@@ -306,8 +316,8 @@ void print_json_field(FILE *out, const char *name, double value) {
   print_json_number(out, value);
 }
 
-static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
-  fprintf(out, ",\n  \"%s\": [", name);
+void print_json_numbers(FILE *out, const char *name, int n, const double *x) {
+  fprintf(out, "%s: [", name);
   for (int i = 0; i < n; i++) {
     if (i) fputs(", ", out);
     print_json_number(out, x[i]);
@@ -322,15 +332,9 @@ void print_json_verdict(FILE *out, const verdict *v, int proof) {
   fputs(",\n  \"next\": ", out);
   print_json_string(out, v->next);
   if (proof && v->farkas)
-    print_json_vector(out, v->exact ? "farkas" : "farkas_to_rounding", v->rows, v->farkas);
-  if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
-}
-
-void print_explanation(const char *indent, const dls_info *info) {
-  char text[200 * (DLS_STAGES_MAX + 4)];
-  (void)dls_explain(info, text, sizeof text);
-  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
-    printf("%s%s\n", indent, line);
+    print_json_numbers(out, v->exact ? ",\n  \"farkas\"" : ",\n  \"farkas_to_rounding\"", v->rows,
+                       v->farkas);
+  if (proof && v->ray) print_json_numbers(out, ",\n  \"ray\"", v->rows * v->stride, v->ray);
 }
 
 static void print_json_stages(FILE *out, const dls_info *info) {
@@ -357,14 +361,6 @@ void print_residuals(const char *indent, const dls_certificate *c) {
 
 static const char *uniqueness_word(dls_uniqueness unique) {
   return unique == DLS_UNIQUE_YES ? "yes" : unique == DLS_UNIQUE_NO ? "no" : "unknown";
-}
-
-void print_others(const char *indent, const dls_info *info) {
-  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
-  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
-  if (info->ambiguous)
-    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
-           plural(info->ambiguous));
 }
 
 static void print_json_unsettled(FILE *out, const unsettled *from) {

@@ -7,18 +7,25 @@
  *   series.pvd    about 50 steps for ParaView, step_NNNN.vtu
  *   energy, map or bar, loop (.dat, .gp, .png, .svg)
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli.h"
 
 enum { SERIES_FILES = 50, MAP_COLUMNS = 400 };
 
-void moving_usage_options(FILE *out) {
+typedef struct moving_options {
+  const char *name;
+  dls_moving_settings settings;
+  const char *out; /* NULL: none */
+} moving_options;
+
+static void moving_usage(FILE *out) {
   char methods[METHOD_LIST_ROOM];
+  fputs("Usage: delassus scene SCENE [OPTION]...\nRuns a scene of bodies that move:\n\n", out);
+  for (int k = 0; dls_moving_name(k); k++)
+    fprintf(out, "  %-13s %s\n", dls_moving_name(k), dls_moving_description(k));
+  fputs("\n", out);
   fprintf(
       out,
       "      --law=LAW         velocity: impacts, a contact is active when it is closed;\n"
@@ -37,20 +44,10 @@ void moving_usage_options(FILE *out) {
       "      --amplitude=A     jean-moving: amplitude of the obstacle (1e-5 m)\n"
       "      --frequency=F     jean-moving: cycles per unit of time (path: 1; else 1000)\n"
       "  -m, --method=METHOD   for the contact problems: %s\n"
-      "  -t, --tol=T           on their certificates (1e-12)\n",
-      method_list(methods, sizeof methods));
-}
-
-static void moving_usage(FILE *out) {
-  fputs("Usage: delassus scene SCENE [OPTION]...\nRuns a scene of bodies that move:\n\n", out);
-  for (int k = 0; dls_moving_name(k); k++)
-    fprintf(out, "  %-13s %s\n", dls_moving_name(k), dls_moving_description(k));
-  fputs("\n", out);
-  moving_usage_options(out);
-  fputs(
+      "  -t, --tol=T           on their certificates (1e-12)\n"
       "  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n" PICTURE_USAGE
           LAST_USAGE "\nCtrl-C ends the run after the step; what was computed is written.\n",
-      out);
+      method_list(methods, sizeof methods));
 }
 
 /* ---- options --------------------------------------------------------------------------------- */
@@ -58,62 +55,41 @@ static void moving_usage(FILE *out) {
 static const char *const law_names[] = {"velocity", "gap", "path"}; /* from 1 */
 static const char *const mass_names[] = {"consistent", "lumped"};   /* from 1 */
 
-/* Finds a name in a list; returns its place from 1, or 0 after a complaint. */
-static int moving_word(const char *option, const char *text, const char *const *names, int count) {
-  for (int k = 0; k < count; k++)
-    if (!strcmp(text, names[k])) return k + 1;
-  complain("--%s: '%s' is none of %s, %s%s%s", option, text, names[0], names[1],
-           count > 2 ? ", " : "", count > 2 ? names[2] : "");
-  return 0;
-}
-
 static taken moving_mesh(const char *text, dls_moving_settings *s) {
   char more;
   s->ny = 0;
   if ((sscanf(text, "%d%c", &s->nx, &more) == 1 && s->nx > 0) ||
       (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0))
     return OPTION_TAKEN;
-  complain("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
-  return OPTION_WRONG;
+  return (taken)refuse("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
 }
 
-static taken moving_method(const char *text, dls_moving_settings *s) {
-  if (dls_method_find(text, &s->method)) return OPTION_TAKEN;
-  return no_method(text, NULL);
-}
+enum { KEY_LAW = 300, KEY_MASS, KEY_THETA, KEY_MESH };
 
-taken take_moving_setting(int key, const char *text, dls_moving_settings *s) {
+static taken take_moving_option(int key, const char *text, void *data) {
+  dls_moving_settings *s = &((moving_options *)data)->settings;
   int word;
   switch (key) {
   case KEY_LAW:
-    word = moving_word("law", text, law_names, 3);
+    word = 1 + parse_word("law", text, law_names, 3);
     s->law = (dls_motion_law)word;
     return word ? OPTION_TAKEN : OPTION_WRONG;
   case KEY_MASS:
-    word = moving_word("mass", text, mass_names, 2);
+    word = 1 + parse_word("mass", text, mass_names, 2);
     s->mass = (dls_fe_mass_kind)word;
     return word ? OPTION_TAKEN : OPTION_WRONG;
   case KEY_THETA:
     if (!parse_number("theta", text, &s->theta)) return OPTION_WRONG;
     if (s->theta >= 0.5 && s->theta <= 1) return OPTION_TAKEN;
-    complain("--theta: '%s' is not in .5 .. 1", text);
-    return OPTION_WRONG;
-  case KEY_MOVING_MESH:
+    return (taken)refuse("--theta: '%s' is not in .5 .. 1", text);
+  case KEY_MESH:
     return moving_mesh(text, s);
-  case 'm':
-    return moving_method(text, s);
-  default:
-    return OPTION_UNKNOWN;
+  default: /* m */
+    return dls_method_find(text, &s->method) ? OPTION_TAKEN : no_method(text, NULL);
   }
 }
 
 /* ---- files of a step ------------------------------------------------------------------------- */
-
-typedef struct moving_options {
-  const char *name;
-  dls_moving_settings settings;
-  const char *out; /* NULL: none */
-} moving_options;
 
 typedef struct moving_files {
   FILE *energy, *contact, *map, *bar, *loop; /* NULL: not wanted */
@@ -142,41 +118,20 @@ static double surface_part(const dls_moving_data *d, int c) {
 }
 
 static int moving_open(moving_files *f, const char *directory, const dls_moving_data *d) {
-  if (!(f->energy = open_in(directory, "energy.csv")) ||
-      !(f->contact = open_in(directory, "contact.csv")) || !(f->series = open_series(directory)))
-    return 0;
-  fputs("t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n", f->energy);
-  fputs("t,candidate,r_n,r_t,u_n,u_t,state\n", f->contact);
-  if (d->has_exact) {
-    if (!(f->bar = open_in(directory, "bar.dat"))) return 0;
-    fputs("# t gap exact_gap force exact_force\n", f->bar);
-  } else {
-    if (!(f->map = open_in(directory, "map.dat"))) return 0;
-    fputs("# t x r_n/length state(0 free, 1 slip, 2 stick)\n", f->map);
-  }
-  if (d->obstacle_moves) {
-    if (!(f->loop = open_in(directory, "loop.dat"))) return 0;
-    fputs("# obstacle sum_of_r_t; a blank line between cycles\n", f->loop);
-  }
-  return 1;
-}
-
-/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
- * leaves those after it as they were. */
-static int moving_close(moving_files *f) {
-  int good = close_series(f->series);
-  if (f->energy) good = good && close_file(f->energy, "energy.csv");
-  if (f->contact) good = good && close_file(f->contact, "contact.csv");
-  if (f->map) good = good && close_file(f->map, "map.dat");
-  if (f->bar) good = good && close_file(f->bar, "bar.dat");
-  if (f->loop) good = good && close_file(f->loop, "loop.dat");
-  return good;
-}
-
-/* Gives the files up; those of before stay. */
-static void drop_moving(moving_files *f) {
-  f->energy = f->contact = f->map = f->bar = f->loop = NULL;
-  drop_files();
+  f->energy =
+      open_table(directory, "energy.csv",
+                 "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n");
+  if (f->energy)
+    f->contact = open_table(directory, "contact.csv", "t,candidate,r_n,r_t,u_n,u_t,state\n");
+  if (!f->contact || !(f->series = open_series(directory))) return 0;
+  if (d->has_exact)
+    f->bar = open_table(directory, "bar.dat", "# t gap exact_gap force exact_force\n");
+  else
+    f->map = open_table(directory, "map.dat", "# t x r_n/length state(0 free, 1 slip, 2 stick)\n");
+  if (d->obstacle_moves)
+    f->loop =
+        open_table(directory, "loop.dat", "# obstacle sum_of_r_t; a blank line between cycles\n");
+  return (f->bar || f->map) && (f->loop || !d->obstacle_moves);
 }
 
 static void write_energy(FILE *file, const dls_moving_data *d) {
@@ -216,7 +171,7 @@ static int write_series(const moving_files *f, const char *directory, const dls_
   (void)snprintf(name, sizeof name, "step_%04d.vtu", d->step);
   if (!join_path(path, directory, name)) return 0;
   double *stress = malloc(3 * (size_t)elements * sizeof *stress);
-  if (!stress) return complain("%s: out of memory", path), 0;
+  if (!stress) return refuse("%s: out of memory", path);
   const dls_fe_fields fields = {.displacement = d->displacement,
                                 .reaction = d->reaction,
                                 .stress = stress,
@@ -362,8 +317,8 @@ static int run_moving(const moving_options *o) {
                 d.steps);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  if (result == EXIT_BAD_INPUT) drop_moving(&files);
-  if (!moving_close(&files)) result = EXIT_BAD_INPUT;
+  if (result == EXIT_BAD_INPUT) drop_files();
+  if (!close_series(files.series) || !close_files()) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;
   if (result != EXIT_BAD_INPUT) print_ending(status, NULL);
@@ -373,14 +328,24 @@ static int run_moving(const moving_options *o) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-static taken take_moving_option(int key, const char *text, void *data) {
-  return take_moving_setting(key, text, &((moving_options *)data)->settings);
-}
-
 int command_moving(int argc, char **argv) {
-  static const option_row options[] = {MOVING_OPTIONS(moving_options, settings),
-                                       ROW(A_TEXT, "out", 'o', moving_options, out), PICTURE_OPTION,
-                                       LAST_OPTIONS};
+  static const option_row options[] = {
+      VALUE("law", KEY_LAW),
+      VALUE("theta", KEY_THETA),
+      VALUE("mass", KEY_MASS),
+      ROW(A_NUMBER, "e", 0, moving_options, settings.restitution),
+      ROW(A_NUMBER, "courant", 0, moving_options, settings.courant),
+      ROW(A_COUNT, "steps", 'n', moving_options, settings.steps),
+      VALUE("mesh", KEY_MESH),
+      ROW(A_COUNT, "upper", 0, moving_options, settings.upper),
+      ROW(A_NUMBER, "mu", 0, moving_options, settings.mu),
+      ROW(A_NUMBER, "amplitude", 0, moving_options, settings.amplitude),
+      ROW(A_NUMBER, "frequency", 0, moving_options, settings.frequency),
+      VALUE("method", 'm'),
+      ROW(A_NUMBER, "tol", 't', moving_options, settings.limits.tol),
+      ROW(A_TEXT, "out", 'o', moving_options, out),
+      PICTURE_OPTION,
+      LAST_OPTIONS};
   static const command moving = {options, moving_usage, take_moving_option, 1};
   moving_options o = {0};
   dls_moving_settings_init(&o.settings);

@@ -1,4 +1,4 @@
-/* moving_picture.c: draws energies, contact, hysteresis and convergence of bodies that move. */
+/* moving_picture.c: draws energies, contact and hysteresis of bodies that move. */
 #include <math.h>
 
 #include "cli.h"
@@ -139,27 +139,4 @@ int draw_moving(const char *directory, const dls_moving_data *d) {
                  (!d->obstacle_moves || write_loop(directory, d))
              ? EXIT_SOLVED
              : EXIT_BAD_INPUT;
-}
-
-int draw_convergence(const char *directory, const char *name, double order, double factor) {
-  FILE *script = open_script(directory, "converge");
-  if (!script) return EXIT_BAD_INPUT;
-  fprintf(script,
-          "set title %s.': error of the gap, L2 over time'\nset datafile separator ','\n"
-          "set logscale xy\nset grid ytics mytics\nset key top left\n"
-          "set xlabel 'elements, their length on a logarithmic scale'\nset ylabel 'error over the "
-          "norm of the closed form'\n"
-          "set format y '%%.0e'\n"
-          "stats 'converge.csv' every ::1 using 2:3 nooutput\n"
-          "set xrange [STATS_min_x/1.5:1.5*STATS_max_x]\n"
-          "set yrange [STATS_min_y/1.5:1.5*STATS_max_y]\n",
-          quote(AS_GNUPLOT, name).text);
-  begin_pictures(script, "converge", 800, 600);
-  fprintf(
-      script,
-      "  plot %.6g*x**%.6g with lines dt 2 lw 2 lc rgb '#e69f00' title 'order %.2f', \\\n"
-      "       'converge.csv' every ::1 using 2:3:xtic(1) with points pt 7 ps 1.6 lc rgb '#0072b2' "
-      "title 'computed'\n",
-      factor, order, order);
-  return draw_script(script, directory, "converge") ? EXIT_SOLVED : EXIT_BAD_INPUT;
 }

@@ -145,8 +145,7 @@ static dls_status take_step(const char *name, const source *from, problem *p, wa
   pick k = {.wanted = from->step};
   const dls_status status = what(name, &k, p, error);
   progress_end();
-  if (status == DLS_E_MEMORY)
-    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+  if (status == DLS_E_MEMORY) return no_memory(error);
   if (status < 0 || status == DLS_CANCELLED) return status;
   if (!k.step || (k.wanted && k.step != k.wanted)) {
     *error = (dls_error){.status = DLS_E_ARGUMENT};

@@ -55,26 +55,21 @@ const char *nearest_words(nearest *n) {
   return n->words;
 }
 
-void nearest_methods(nearest *n) {
-  for (int k = 0; dls_method_name((dls_method)k); k++)
-    nearest_try(n, dls_method_name((dls_method)k));
-}
+static const char *(*const scene_names[])(int) = {[SCENE_AT_ONCE] = dls_fe_scene_name,
+                                                  [SCENE_FORMING] = dls_forming_name,
+                                                  [SCENE_MOVING] = dls_moving_name};
 
 const char *scene_name(int k) {
-  for (int i = 0; dls_fe_scene_name(i); i++)
-    if (k-- == 0) return dls_fe_scene_name(i);
-  for (int i = 0; dls_forming_name(i); i++)
-    if (k-- == 0) return dls_forming_name(i);
-  for (int i = 0; dls_moving_name(i); i++)
-    if (k-- == 0) return dls_moving_name(i);
+  for (int kind = SCENE_AT_ONCE; kind <= SCENE_MOVING; kind++)
+    for (int i = 0; scene_names[kind](i); i++)
+      if (k-- == 0) return scene_names[kind](i);
   return NULL;
 }
 
 scene_kind kind_of_scene(const char *name) {
-  static const char *(*const names[])(int) = {dls_fe_scene_name, dls_forming_name, dls_moving_name};
   for (int kind = SCENE_AT_ONCE; kind <= SCENE_MOVING; kind++)
-    for (int k = 0; names[kind - 1](k); k++)
-      if (strcmp(names[kind - 1](k), name) == 0) return (scene_kind)kind;
+    for (int k = 0; scene_names[kind](k); k++)
+      if (strcmp(scene_names[kind](k), name) == 0) return (scene_kind)kind;
   return NO_SCENE;
 }
 
@@ -82,12 +77,4 @@ scene_kind kind_among(int argc, char **argv) {
   for (int k = 1; k < argc; k++)
     if (kind_of_scene(argv[k])) return kind_of_scene(argv[k]);
   return NO_SCENE;
-}
-
-int no_scene(const char *name) {
-  nearest near = {.word = name};
-  for (int k = 0; scene_name(k); k++)
-    nearest_try(&near, scene_name(k));
-  return complain("'%s' is no scene%s", name,
-                  near.count ? nearest_words(&near) : "; 'delassus scene --list' names them");
 }

@@ -1,7 +1,7 @@
 /* options.c: reads the options of the commands, and those that scene and solve share: the method
  * and its settings. */
-#define _GNU_SOURCE
-#include <getopt.h>
+#include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli.h"
@@ -36,6 +36,25 @@ static int wrong_option(char **argv, const command *c, int key) {
   return complain("%s: is no option; see 'delassus %s --help'", word, argv[0]);
 }
 
+/* Reads an integer from 1 to `most`. */
+static taken parse_count(const char *option, const char *text, int most, int *value) {
+  char *end;
+  errno = 0;
+  const long v = strtol(text, &end, 10);
+  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
+    return (taken)refuse("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
+  }
+  *value = (int)v;
+  return OPTION_TAKEN;
+}
+
+/* Reads NXxNY, two integers >= 1. */
+static taken parse_mesh(const char *text, int *nx, int *ny) {
+  char more;
+  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
+  return (taken)refuse("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
+}
+
 /* Takes the value of a row. */
 static taken take_row(const command *c, const option_row *row, const char *text, void *data) {
   void *to = (char *)data + row->at;
@@ -50,7 +69,7 @@ static taken take_row(const command *c, const option_row *row, const char *text,
   case A_NUMBER:
     return parse_number(row->name, text, to);
   case A_COUNT:
-    return parse_count(row->name, text, to);
+    return parse_count(row->name, text, 1000000000, to);
   case A_MESH:
     return parse_mesh(text, to, (int *)to + 1);
   default:
@@ -116,15 +135,13 @@ void solver_usage(FILE *out, const char *more, double tol) {
 taken no_method(const char *name, const char *const *more) {
   nearest near = {.word = name};
   char methods[METHOD_LIST_ROOM];
-  nearest_methods(&near);
+  for (int k = 0; dls_method_name((dls_method)k); k++)
+    nearest_try(&near, dls_method_name((dls_method)k));
   for (int k = 0; more && more[k]; k++)
     nearest_try(&near, more[k]);
-  if (near.count)
-    complain("--method: '%s' is no method%s", name, nearest_words(&near));
-  else
-    complain("--method: '%s' is no method; these are: %s%s%s", name,
-             method_list(methods, sizeof methods), more ? ", " : "", more ? more[0] : "");
-  return OPTION_WRONG;
+  if (near.count) return (taken)refuse("--method: '%s' is no method%s", name, nearest_words(&near));
+  return (taken)refuse("--method: '%s' is no method; these are: %s%s%s", name,
+                       method_list(methods, sizeof methods), more ? ", " : "", more ? more[0] : "");
 }
 
 /* Takes a method by its name, or gauss-seidel. */
@@ -143,9 +160,8 @@ static taken take_acceleration(const char *name, solver_options *o) {
   nearest near = {.word = name};
   for (int k = 0; k < 4; k++)
     nearest_try(&near, all[k]);
-  complain("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)%s", name,
-           nearest_words(&near));
-  return OPTION_WRONG;
+  return (taken)refuse("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)%s",
+                       name, nearest_words(&near));
 }
 
 taken take_solver_option(int key, const char *text, solver_options *o) {
@@ -155,7 +171,7 @@ taken take_solver_option(int key, const char *text, solver_options *o) {
   case 'a':
     return take_acceleration(text, o);
   case KEY_THREADS:
-    return parse_count_to("threads", text, most_threads, &o->settings.limits.threads);
+    return parse_count("threads", text, most_threads, &o->settings.limits.threads);
   default:
     return OPTION_UNKNOWN;
   }
@@ -165,6 +181,5 @@ int settle_solver_options(solver_options *o) {
   if (!o->accel_given) return 1;
   if (!o->method_given) o->settings.method = DLS_NLGS;
   if (!o->primal && o->settings.method == DLS_NLGS) return 1;
-  complain("--accel: is for nlgs");
-  return 0;
+  return refuse("--accel: is for nlgs");
 }

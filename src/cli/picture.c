@@ -17,8 +17,7 @@ extern char **environ;
 int join_path(char path[PATH_ROOM], const char *directory, const char *name) {
   const int length = snprintf(path, PATH_ROOM, "%s/%s", directory, name);
   if (length >= 0 && length < PATH_ROOM) return 1;
-  complain("%s: the name is too long", directory);
-  return 0;
+  return refuse("%s: the name is too long", directory);
 }
 
 /* The files that are open, the latest first. */
@@ -29,13 +28,9 @@ typedef struct open_file {
 static open_file *open_files;
 
 FILE *open_path(const char *path) {
-  dls_error error = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   open_file *entry = malloc(sizeof *entry);
-  if (!entry) {
-    (void)complain("%s: out of memory", path);
-    return NULL;
-  }
-  if (dlsi_output_open(&entry->out, path, &error)) {
+  if (!entry || dlsi_output_open(&entry->out, path, &error)) {
     (void)complain_of(path, &error);
     free(entry);
     return NULL;
@@ -50,6 +45,12 @@ FILE *open_in(const char *directory, const char *name) {
   return join_path(path, directory, name) ? open_path(path) : NULL;
 }
 
+FILE *open_table(const char *directory, const char *name, const char *head) {
+  FILE *file = open_in(directory, name);
+  if (file) fputs(head, file);
+  return file;
+}
+
 int close_file(FILE *file, const char *name) {
   open_file **at = &open_files;
   while ((*at)->out.file != file)
@@ -61,6 +62,28 @@ int close_file(FILE *file, const char *name) {
   if (!good) (void)complain_of(name, &error);
   free(entry);
   return good;
+}
+
+int close_files(void) {
+  int good = 1;
+  while (open_files && good) {
+    open_file *first = open_files;
+    while (first->next)
+      first = first->next;
+    good = close_file(first->out.file, first->out.path);
+  }
+  return good;
+}
+
+open_file *set_files_aside(void) {
+  open_file *files = open_files;
+  open_files = NULL;
+  return files;
+}
+
+void put_files_back(open_file *files) {
+  drop_files();
+  open_files = files;
 }
 
 void drop_files(void) {
@@ -93,7 +116,7 @@ int make_directory(const char *path) {
   if (!join_path(part, path, "")) return 0;
   for (char *slash = part + 1; (slash = strchr(slash, '/')); slash++) {
     *slash = '\0';
-    if (mkdir(part, 0777) && errno != EEXIST) return complain("%s: %s", part, strerror(errno)), 0;
+    if (mkdir(part, 0777) && errno != EEXIST) return refuse("%s: %s", part, strerror(errno));
     *slash = '/';
   }
   return 1;
@@ -267,9 +290,9 @@ static int write_deformed(const scene_picture *p) {
 /* Draws the reactions along the contact line: R_N as a broad line, so that -R_T over it hides
  * nothing where both are one; the states as points on R_N; the paper's as open points. */
 static int write_reactions(const scene_picture *p) {
-  FILE *data = open_in(p->directory, "reactions.dat");
+  FILE *data = open_table(p->directory, "reactions.dat",
+                          "# x rt rn paper_rt paper_rn state (0 free, 1 slip, 2 stick)\n");
   if (!data) return 0;
-  fputs("# x rt rn paper_rt paper_rn state (0 free, 1 slip, 2 stick)\n", data);
   for (int c = 0; c < p->scene->candidates; c++)
     fprintf(data, "%.9g %.9g %.9g %.9g %.9g %d\n", p->x[c], p->rt[c], p->rn[c],
             p->paper_rt ? p->paper_rt[c] : NAN, p->paper_rn ? p->paper_rn[c] : NAN,

@@ -27,10 +27,7 @@ static dls_status problem_hold(problem *p, dls_error *error) {
   if (status || !held.modes || p->on_K) return status;
   const size_t m = (size_t)p->contact.d * (size_t)p->contact.nc;
   double *r = malloc((2 * m + (size_t)p->model.n) * sizeof *r);
-  if (!r) {
-    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-    return DLS_E_MEMORY;
-  }
+  if (!r) return no_memory(error);
   status = dls_reduction_solve(p->reduction, p->mu, &settings, r, r + m, r + 2 * m, NULL, error);
   progress_end();
   free(r);

@@ -1,6 +1,5 @@
 /* problem.c: loads the problem that a command is asked for: a file, a scene or matrices. */
 #define _GNU_SOURCE
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -99,17 +98,17 @@ int problem_open(const char *name, const source *wanted, problem *p) {
     own.matrices.on = !strcmp(where, "K")   ? DLS_ON_K
                       : !strcmp(where, "W") ? DLS_ON_W
                                             : own.matrices.on;
-  if (where && !own.matrices.on) return complain("--on: '%s' is not W or K", where), 0;
+  if (where && !own.matrices.on) return refuse("--on: '%s' is not W or K", where);
   const char *given = matrices_name(&from->matrices);
   const scene_kind kind = given ? NO_SCENE : kind_of_scene(name);
   dls_error error = {0};
   dls_status status;
   if (!from->solves && from->matrices.on == DLS_ON_K)
-    return complain("--on=K: is for delassus solve"), 0;
+    return refuse("--on=K: is for delassus solve");
   if (from->step && kind != SCENE_FORMING && kind != SCENE_MOVING)
-    return complain("--step: is for scenes in steps"), 0;
+    return refuse("--step: is for scenes in steps");
   if (!given && matrices_given(&from->matrices))
-    return complain("give one of --stiffness, --flexibility and --W"), 0;
+    return refuse("give one of --stiffness, --flexibility and --W");
   shorten(given ? given : name, p->name, sizeof p->name);
   if (given) {
     name = given;

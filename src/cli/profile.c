@@ -2,8 +2,6 @@
  * profile.c: delassus profile NAME...: every method on many problems: performance profiles, and how
  * far auto is from the fastest single method.
  */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +16,8 @@ static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
 typedef struct profile_options {
   source from;
-  int repeat, portfolio;
-  double limit, budget, tol;
+  int repeat;
+  double limit, budget;
   const char *out;
 } profile_options;
 
@@ -35,12 +33,8 @@ static void profile_usage(FILE *out) {
       "  -l, --limit=S         CPU seconds for a solve (0.5), or 30 times the fastest if that is\n"
       "                        more; in need ten times as many\n"
       "  -b, --budget=S        approximate CPU seconds for a problem (6)\n"
-      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is printed)\n"
-      "      --portfolio       instead: the steps of auto, on how many problems each was taken, "
-      "on\n"
-      "                        how many it ended the solve, its CPU; and each step alone: on how\n"
-      "                        many it solves, on how many it is the first to solve. No files\n"
-      "  -t, --tol=T           tolerance of --portfolio (1e-8)\n" LAST_USAGE "\n"
+      "  -o, --out=DIR         folder for the files (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n\n",
       out);
   source_usage(out);
@@ -113,11 +107,6 @@ static int profile_add(profile *p, const char *name, const profile_options *o) {
 
 /* ---- what it says ---------------------------------------------------------------------------- */
 
-static int by_size(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static double fastest_of(const profile *p, int rung, int first, int which) {
   double fastest = INFINITY;
   for (int k = first; k < p->solvers; k++) {
@@ -145,7 +134,7 @@ static void print_target(const profile *p, int rung, double *ratio) {
       }
       ratio[count++] = seconds / fastest;
     }
-    qsort(ratio, (size_t)count, sizeof *ratio, by_size);
+    qsort(ratio, (size_t)count, sizeof *ratio, ascending);
     if (count)
       printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s", p->who[k].name, count, parts,
              ratio[(count - 1) / 2], most, quote(AS_SHOWN, p->name[worst]).text);
@@ -176,7 +165,7 @@ static void print_auto(const profile *p, double *ratio) {
       }
       ratio[count++] = seconds / single;
     }
-  qsort(ratio, (size_t)count, sizeof *ratio, by_size);
+  qsort(ratio, (size_t)count, sizeof *ratio, ascending);
   if (!count) return;
   printf("\nauto over the fastest single method, %d problem%s, 1e-2 to 1e-14: median %.2f, nine "
          "tenths below %.2f, worst %.1f (%s to %.0e)\n",
@@ -188,20 +177,18 @@ static void print_auto(const profile *p, double *ratio) {
 
 static int draw_profile(const profile *p, const char *directory, double limit) {
   static const char *const targets[] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
-  const char *solvers[MOST_CONTENDERS], **names = malloc((size_t)p->problems * sizeof *names);
+  const char *solvers[MOST_CONTENDERS];
   const size_t cells = (size_t)p->solvers * (size_t)p->problems;
   double *seconds = malloc(PROFILE_TARGETS * cells * sizeof *seconds);
   char title[120], notes[160];
-  int good = names && seconds;
+  int good = seconds != NULL;
   for (int k = 0; k < p->solvers; k++)
     solvers[k] = p->who[k].name;
-  for (int i = 0; i < p->problems && good; i++) {
-    names[i] = p->name[i];
+  for (int i = 0; i < p->problems && good; i++)
     for (int t = 0; t < PROFILE_TARGETS; t++)
       for (int k = 0; k < p->solvers; k++)
         seconds[(t * p->solvers + k) * p->problems + i] =
             *profile_seconds(p, profile_target[t], k, i);
-  }
   (void)snprintf(title, sizeof title, "Every method on %d problem%s", p->problems,
                  plural(p->problems));
   (void)snprintf(
@@ -218,14 +205,12 @@ static int draw_profile(const profile *p, const char *directory, double limit) {
                                    .problems = p->problems,
                                    .targets = PROFILE_TARGETS,
                                    .solver = solvers,
-                                   .problem = names,
                                    .target = targets,
                                    .seconds = seconds};
   if (good)
     good = draw_profiles(&picture);
   else
     (void)complain("out of memory");
-  free(names);
   free(seconds);
   return good;
 }
@@ -242,8 +227,10 @@ static int run_profile(int count, char **list, const profile_options *o) {
   int good = p.name && p.seconds && ratio;
   if (!good) (void)complain("out of memory");
   const char *out = good ? take_folder(o->out, "profile", NULL) : NULL;
-  if (good) good = out && (p.csv = open_in(out, "profile.csv"));
-  if (good) fputs("problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n", p.csv);
+  if (good)
+    good =
+        out && (p.csv = open_table(out, "profile.csv",
+                                   "problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n"));
   for (int i = 0; i < count && good && !was_interrupted(); i++)
     good = profile_add(&p, list[i], o);
   if (good) good = close_file(p.csv, "profile.csv");
@@ -270,12 +257,10 @@ int command_profile(int argc, char **argv) {
                                        ROW(A_NUMBER, "limit", 'l', profile_options, limit),
                                        ROW(A_NUMBER, "budget", 'b', profile_options, budget),
                                        ROW(A_TEXT, "out", 'o', profile_options, out),
-                                       ROW(A_NUMBER, "tol", 't', profile_options, tol),
-                                       ROW(A_FLAG, "portfolio", 0, profile_options, portfolio),
                                        SOURCE_OPTIONS(profile_options, from),
                                        LAST_OPTIONS};
   static const command profile_command = {options, profile_usage, NULL, 0};
-  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8};
+  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
   int count = argc - optind;
@@ -283,6 +268,5 @@ int command_profile(int argc, char **argv) {
   if (!names) return EXIT_BAD_INPUT;
   watch_interrupt();
   if (!count) return EXIT_SOLVED;
-  return o.portfolio ? run_portfolio(count, names, &o.from, o.tol, o.limit)
-                     : run_profile(count, names, &o);
+  return run_profile(count, names, &o);
 }

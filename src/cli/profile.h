@@ -19,11 +19,10 @@ typedef struct profile_picture {
   const char *title, *notes;    /* notes: below it */
   const char *absent;           /* of a solver that takes part in no problem: "3D only" */
   int solvers, problems, targets;
-  const char *const *solver;  /* names; method_colour() knows them. 0 is auto */
-  const int *peer;            /* solvers: 1 for another library, dashed; NULL: none is */
-  const char *const *problem; /* names */
-  const char *const *target;  /* "residual 1e-8" */
-  const double *seconds;      /* (target * solvers + solver) * problems + problem */
+  const char *const *solver; /* names; method_colour() knows them. 0 is auto */
+  const int *peer;           /* solvers: 1 for another library, dashed; NULL: none is */
+  const char *const *target; /* "residual 1e-8" */
+  const double *seconds;     /* (target * solvers + solver) * problems + problem */
 } profile_picture;
 
 /* Draws for each target the profiles [Dolan and More 2002]: the part of the problems that a solver

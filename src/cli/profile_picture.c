@@ -7,7 +7,6 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "profile.h"
 #include "race.h"
@@ -16,8 +15,8 @@ static const double most_tau = 1000; /* of the axis */
 enum { blocks = 4 };                 /* of a solver in the file */
 
 typedef struct place {
+  double fastest; /* seconds; INFINITY: nobody answered it. First: places are sorted by it */
   int problem;
-  double fastest; /* seconds; INFINITY: nobody answered it */
 } place;
 
 /* A target: problems from quick to slow, those that somebody answered first. */
@@ -35,16 +34,6 @@ static int is_time(double seconds) {
   return isfinite(seconds) && seconds >= 0;
 }
 
-static int quicker(const void *a, const void *b) {
-  const place *x = a, *y = b;
-  return (x->fastest > y->fastest) - (x->fastest < y->fastest);
-}
-
-static int larger(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static void make_strip(const profile_picture *p, int target, strip *s) {
   s->solved = 0;
   s->most = 10;
@@ -56,12 +45,12 @@ static void make_strip(const profile_picture *p, int target, strip *s) {
       fastest = fmin(fastest, seconds);
       slowest = fmax(slowest, seconds);
     }
-    s->places[i] = (place){i, fastest};
+    s->places[i] = (place){fastest, i};
     s->solved += isfinite(fastest) != 0;
     if (isfinite(fastest)) s->most = fmax(s->most, slowest / fastest);
   }
   s->most = fmin(1.5 * s->most, 1e4);
-  qsort(s->places, (size_t)p->problems, sizeof *s->places, quicker);
+  qsort(s->places, (size_t)p->problems, sizeof *s->places, ascending);
 }
 
 /* Returns the height of the crosses of solver k on the axis of ratios, above all ratios. */
@@ -78,7 +67,7 @@ static int find_taus(const profile_picture *p, int target, const strip *s, int k
     const double seconds = seconds_of(p, target, k, s->places[i].problem);
     if (is_time(seconds)) taus[count++] = seconds / s->places[i].fastest;
   }
-  qsort(taus, (size_t)count, sizeof *taus, larger);
+  qsort(taus, (size_t)count, sizeof *taus, ascending);
   return count;
 }
 

@@ -2,7 +2,6 @@
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "race.h"
 
@@ -119,7 +118,8 @@ static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *
 
 /* ---- the ladder ------------------------------------------------------------------------------ */
 
-int race_is_too_large(dls_method method, int d, int nc) {
+/* Returns 1 for a problem on which the method would take minutes, or too much memory. */
+static int race_is_too_large(dls_method method, int d, int nc) {
   if (method == DLS_HOMOTOPY) return d * nc > homotopy_rows;
   return method == DLS_LEMKE && (d == 2 ? 4 : 10) * nc > lemke_rows;
 }
@@ -205,10 +205,7 @@ dls_status race_run(race *a, const dls_contact *contact, const problem *body, co
   const size_t cells = (size_t)plan->rungs * MOST_CONTENDERS;
   a->trials = calloc(cells, sizeof *a->trials);
   a->answers = malloc(cells * (size_t)a->d * (size_t)a->nc * sizeof *a->answers);
-  if (!a->trials || !a->answers) {
-    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-    return DLS_E_MEMORY;
-  }
+  if (!a->trials || !a->answers) return no_memory(error);
   const double end = cpu_seconds() + plan->budget;
   status = race_line_up(a, error);
   for (int rung = 0; rung < a->rungs && !status; rung++)

@@ -106,9 +106,6 @@ void race_free(race *a);
 dls_status race_call(race *a, int k, const dls_limits *limits, double *r, dls_info *info,
                      dls_error *error);
 
-/* Returns 1 for a problem on which the method would take minutes, or too much memory. */
-int race_is_too_large(dls_method method, int d, int nc);
-
 /* Returns 1 if the contender takes part in the race on a problem. */
 int race_takes(const contender *who, const dls_contact *contact, const problem *body);
 
@@ -118,12 +115,6 @@ double *race_answer(const race *a, int k, int rung);
 /* Returns the least CPU of those who answered the rung, INFINITY if none did; singles = 1: auto
  * apart. */
 double race_fastest(const race *a, int rung, int singles);
-
-/* ---- portfolio.c --------------------------------------------------------------------- */
-
-/* Solves the problems by auto, to tol, and prints what each of its steps is worth, beside each step
- * alone, within `limit` CPU seconds or 30 times those of auto. Returns the exit status. */
-int run_portfolio(int count, char **names, const source *from, double tol, double limit);
 
 /* ---- history.c ------------------------------------------------------------------------------- */
 
@@ -141,6 +132,6 @@ typedef struct history {
 
 /* Solves once more by contender k and records. */
 dls_status record_history(history *h, race *a, int k, double tol, double limit, double *r,
-                          dls_info *info, dls_error *error);
+                          dls_error *error);
 
 #endif

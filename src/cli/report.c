@@ -8,9 +8,6 @@
  *   5  bodies that move: energy               6  contacts
  *   7  the commands that draw each part again
  */
-#define _GNU_SOURCE
-#include <getopt.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -287,10 +284,8 @@ int command_report(int argc, char **argv) {
     if (one > result) result = one;
   }
   if (printed) {
-    printf(",\n  \"status\": \"%s\",\n  \"directory\": ", result == EXIT_SOLVED ? "solved"
-                                                          : result == EXIT_BAD_INPUT
-                                                              ? "error"
-                                                              : "not_solved");
+    static const char *const words[] = {"solved", "not_solved", "error"}; /* by exit status */
+    printf(",\n  \"status\": \"%s\",\n  \"directory\": ", words[result]);
     print_json_string(stdout, directory);
     puts("\n}");
   }

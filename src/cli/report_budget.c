@@ -19,7 +19,6 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "report.h"
 
@@ -192,15 +191,10 @@ static double within(const budget *b) {
 
 /* A setting to try. */
 typedef struct candidate {
+  double seconds, error; /* as predicted; candidates are sorted by the first member */
   int mesh, steps;
-  double error, seconds; /* as predicted */
-  int failed;            /* 1: it is not within the accuracy, as measured */
+  int failed; /* 1: it is not within the accuracy, as measured */
 } candidate;
-
-static int cheaper(const void *p, const void *q) {
-  const candidate *x = p, *y = q;
-  return (x->seconds > y->seconds) - (x->seconds < y->seconds);
-}
 
 /* Returns the coarsest level, at most 0, whose error is below `part` of the accuracy. */
 static int coarsest(const budget *b, const ladder *l, double part) {
@@ -231,9 +225,9 @@ static int list_candidates(const budget *b, candidate *list) {
          j++) {
       const double error = ladder_error(b, &b->mesh, i) + ladder_error(b, &b->steps, j);
       if (error <= b->accuracy)
-        list[count++] = (candidate){i, j, error, foreseen_seconds(b, i, j), 0};
+        list[count++] = (candidate){foreseen_seconds(b, i, j), error, i, j, 0};
     }
-  qsort(list, (size_t)count, sizeof *list, cheaper);
+  qsort(list, (size_t)count, sizeof *list, ascending);
   return count;
 }
 

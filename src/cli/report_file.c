@@ -17,15 +17,6 @@ enum { most_rows_of_proof = 600 };      /* takes a second there */
 static const double short_solve = 0.01; /* CPU seconds: a shorter solve is timed again */
 static const double solve_share = 0.05; /* of the CPU limit: a solve */
 
-static double norm_of(size_t m, const double *x, const double *y) {
-  double sum = 0;
-  for (size_t i = 0; i < m; i++) {
-    const double e = x[i] - (y ? y[i] : 0);
-    sum += e * e;
-  }
-  return sqrt(sum);
-}
-
 /* Solves by auto to tol: r (m), *info, *seconds. */
 static dls_status solve_to(const dls_contact *contact, double tol, double limit, double *r,
                            double *u, dls_info *info, double *seconds, dls_error *error) {
@@ -76,7 +67,7 @@ static dls_status make_reference(file_budget *b, double *scale, dls_error *error
   if (!status) status = dls_contact_certify(b->contact, b->r, b->u, &certificate, error);
   if (!status) status = dls_contact_states(b->contact, b->r, b->u, b->state, error);
   b->in_u = b->proof.freedom > 0 || b->info[b->best].error > 1; /* INFINITY: r is not determined */
-  *scale = norm_of(m, b->in_u ? b->contact->q : b->r, NULL);
+  *scale = distance(m, b->in_u ? b->contact->q : b->r, NULL);
   if (!(*scale > 0)) *scale = 1;
   return status;
 }
@@ -97,7 +88,7 @@ static dls_status measure_rungs(file_budget *b, dls_error *error) {
       status = dls_contact_certify(b->contact, x, b->other, &certificate, error);
       memcpy(x, b->other, m * sizeof *x);
     }
-    b->error[k] = norm_of(m, x, b->in_u ? b->u : b->r) / scale + radius;
+    b->error[k] = distance(m, x, b->in_u ? b->u : b->r) / scale + radius;
     good = good && b->error[k] <= b->accuracy; /* and all that are tighter */
     if (good) b->take = k;
   }
@@ -109,21 +100,20 @@ static dls_status leave_friction(file_budget *b, dls_error *error) {
   const size_t m = (size_t)b->contact->d * (size_t)b->contact->nc;
   dls_contact contact = *b->contact;
   double *zero = calloc((size_t)contact.nc + 2 * m, sizeof *zero);
-  double seconds, most = 0;
+  double seconds;
   dls_info info;
   dls_certificate certificate;
   if (!zero) return DLS_E_MEMORY;
-  for (int c = 0; c < contact.nc; c++)
-    most = fmax(most, contact.mu[c]);
+  const int has_friction = largest_entry(contact.mu, contact.nc) > 0;
   contact.mu = zero;
   double *r = zero + contact.nc, *u = r + m;
   dls_status status = DLS_OK;
-  if (most > 0)
+  if (has_friction)
     status = solve_to(&contact, 1e-8, solve_share * b->limit, r, u, &info, &seconds, error);
-  if (!status && most > 0 && is_solved(info.status)) {
+  if (!status && has_friction && is_solved(info.status)) {
     status = dls_contact_certify(&contact, r, u, &certificate, error);
-    const double scale = norm_of(m, b->in_u ? b->contact->q : b->r, NULL);
-    b->no_friction = norm_of(m, b->in_u ? u : r, b->in_u ? b->u : b->r) / (scale > 0 ? scale : 1);
+    const double scale = distance(m, b->in_u ? b->contact->q : b->r, NULL);
+    b->no_friction = distance(m, b->in_u ? u : r, b->in_u ? b->u : b->r) / (scale > 0 ? scale : 1);
   }
   free(zero);
   return status;
@@ -136,8 +126,7 @@ dls_status file_budget_run(file_budget *b, dls_error *error) {
   b->no_friction = NAN;
   b->answer = malloc((FILE_RUNGS + 3) * (m + 1) * sizeof *b->answer);
   b->state = malloc((nc + 1) * sizeof *b->state);
-  if (!b->answer || !b->state)
-    return *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"}, DLS_E_MEMORY;
+  if (!b->answer || !b->state) return no_memory(error);
   b->r = b->answer + FILE_RUNGS * m;
   b->u = b->r + m;
   b->other = b->u + m;

@@ -3,7 +3,6 @@
  * nothing; and the same as text on stdout. Names and words, which are anybody's bytes, go through
  * quote(); the pictures are gnuplot's, within the page.
  */
-#define _GNU_SOURCE
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,17 +154,14 @@ void page_table_end(page *p) {
 }
 
 /* Finds the numbers of the wanted columns; returns how many. */
-static int find_columns(const char *columns, char **name, int count, int *which) {
+static int find_columns(const csv_table *t, const char *columns, int *which) {
   int found = 0;
-  for (int k = 0; k < count && !*columns && found < PAGE_COLUMNS; k++)
+  for (int k = 0; k < t->columns && !*columns && found < PAGE_COLUMNS; k++)
     which[found++] = k;
   while (*columns && found < PAGE_COLUMNS) {
     const size_t length = strcspn(columns, ",");
-    for (int k = 0; k < count; k++)
-      if (strlen(name[k]) == length && !strncmp(name[k], columns, length)) {
-        which[found++] = k;
-        break;
-      }
+    const int k = csv_column(t, columns, length);
+    if (k >= 0) which[found++] = k;
     columns += length + (columns[length] == ',');
   }
   return found;
@@ -181,39 +177,30 @@ static void add_field(page *p, const char *text) {
     page_cell(p, "%s", text);
 }
 
-/* Returns the number of fields of a row that counts; 0 for a comment and a row without `only`. */
-static int cut_row(char *line, const char *only, char **field) {
-  if (line[0] == '#') return 0;
-  const int count = cut_fields(line, field);
-  for (int k = 0; only && k < count; k++)
-    if (!strcmp(field[k], only)) return count;
-  return only ? 0 : count;
+/* Returns 1 if the row at hand has the field `only`, or that is NULL. */
+static int row_counts(const csv_table *t, const char *only) {
+  for (int k = 0; only && k < t->fields; k++)
+    if (!strcmp(t->field[k], only)) return 1;
+  return !only;
 }
 
 int page_csv(page *p, const char *directory, const char *name, const char *columns,
              const char *only, int rows) {
-  char path[PATH_ROOM], line[LONGEST_LINE], *field[MOST_FIELDS];
+  csv_table t;
   int which[PAGE_COLUMNS], count = 0, row = 0;
-  if (!join_path(path, directory, name)) return 0;
-  FILE *file = fopen(path, "r");
-  if (!file) return 0;
-  while (fgets(line, sizeof line, file))
-    count += cut_row(line, only, field) > 0;
-  if (!only) count--; /* the heads */
-  rewind(file);
-  p->columns = 0;
-  while (p->columns == 0 && fgets(line, sizeof line, file))
-    if (line[0] != '#') p->columns = find_columns(columns, field, cut_fields(line, field), which);
+  if (!csv_open(&t, directory, name)) return 0;
+  while (csv_next(&t))
+    count += row_counts(&t, only);
+  if (!csv_open(&t, directory, name)) return 0;
+  p->columns = find_columns(&t, columns, which);
   p->cells = 0;
   for (int j = 0; j < p->columns; j++)
-    page_cell(p, "%s", field[which[j]]);
-  while (fgets(line, sizeof line, file)) {
-    const int fields = cut_row(line, only, field);
-    if (!fields || row++ < count - rows) continue;
+    page_cell(p, "%s", t.column[which[j]]);
+  while (csv_next(&t)) {
+    if (!row_counts(&t, only) || row++ < count - rows) continue;
     for (int j = 0; j < p->columns; j++)
-      add_field(p, which[j] < fields ? field[which[j]] : "");
+      add_field(p, which[j] < t.fields ? t.field[which[j]] : "");
   }
-  (void)fclose(file);
   if (p->columns) page_table_end(p);
   return p->columns > 0;
 }

@@ -4,7 +4,6 @@
  * line is printed at the end of the page, so that every part can be drawn again.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "report.h"
@@ -72,7 +71,10 @@ static int run_line(line *l, const parts *a, const char *what, int (*run)(int, c
     if (k == 0) argv[count++] = quiet;
   }
   argv[count] = NULL;
-  return run_command(run, argv, why);
+  struct open_file *files = set_files_aside();
+  const int result = run_command(run, argv, why);
+  put_files_back(files);
+  return result;
 }
 
 /* Begins the command `what` and notes it. */
@@ -129,22 +131,13 @@ enum { MEANINGS = sizeof meanings / sizeof meanings[0] };
 
 /* Counts the cells of map.csv by their verdict. */
 static void count_cells(const parts *a, const char *path) {
-  char name[PATH_ROOM], row[LONGEST_LINE], *field[MOST_FIELDS];
-  int count[MEANINGS] = {0}, at = -1;
-  FILE *file = join_path(name, path, "map.csv") ? fopen(name, "r") : NULL;
-  if (!file) return;
-  while (fgets(row, sizeof row, file)) {
-    const int fields = cut_fields(row, field);
-    if (at < 0) {
-      for (int k = 0; k < fields; k++)
-        if (!strcmp(field[k], "verdict")) at = k;
-      if (at < 0) break;
-      continue;
-    }
-    for (int k = 0; k < MEANINGS && at < fields; k++)
-      count[k] += !strcmp(field[at], meanings[k].word);
-  }
-  (void)fclose(file);
+  csv_table t;
+  int count[MEANINGS] = {0};
+  if (!csv_open(&t, path, "map.csv")) return;
+  const int at = csv_column(&t, "verdict", strlen("verdict"));
+  while (csv_next(&t))
+    for (int k = 0; k < MEANINGS && at >= 0 && at < t.fields; k++)
+      count[k] += !strcmp(t.field[at], meanings[k].word);
   page_table(a->page, "cells,verdict,meaning");
   for (int k = 0; k < MEANINGS; k++) {
     if (!count[k]) continue;
@@ -204,7 +197,7 @@ void part_run(parts *a, const scene_answer *got) {
   static int (*const run[3])(int, char **) = {command_scene, command_forming, command_moving};
   const int kind = (int)a->scene->kind - (int)SCENE_AT_ONCE;
   const int moves = a->scene->kind == SCENE_MOVING;
-  (void)setting_options(a->scene, a->take, options, sizeof options);
+  (void)setting_text(a->scene, a->take, 1, options);
   page_say(a->page, PAGE_SECTION, moves ? "Motion: drift of energy" : "Contacts");
   if (!make_part(a, "scene", options, run[kind], path)) return;
   if (moves) {

@@ -17,7 +17,7 @@ void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
   char words[SETTING_ROOM], more[SETTING_ROOM], wanted[24], error[24];
-  (void)setting_words(s, &take->at, words, sizeof words);
+  (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
   if (take->got.status) {
@@ -32,7 +32,7 @@ void budget_verdict(const budget *b, char *text, size_t size) {
         "Not decided: %.3g s of CPU do not reach %s. The best that was tried, %s: %s within "
         "about %s, %.2g s. By the measured order %s would be enough, in about %.3g s",
         b->limit, wanted, words, s->answer, error, take->got.seconds,
-        setting_words(s, &b->enough, more, sizeof more), b->enough_seconds);
+        setting_text(s, &b->enough, 0, more), b->enough_seconds);
   } else {
     (void)snprintf(text, size,
                    "Not decided: no setting is within %s as measured. The best that was tried, %s: "
@@ -46,7 +46,7 @@ static void add_change(const budget *b, page *p, const char *what, int from, int
   char words[SETTING_ROOM], text[24];
   const probe *x = &b->probe[from], *y = &b->probe[to];
   page_cell(p, "%s", what);
-  page_cell(p, "%s", setting_words(b->scene, &y->at, words, sizeof words));
+  page_cell(p, "%s", setting_text(b->scene, &y->at, 0, words));
   if (y->got.status)
     page_cell(p, "%s", dls_status_text(y->got.status));
   else
@@ -89,7 +89,7 @@ static void add_tried(const budget *b, page *p) {
     const probe *q = &b->probe[k];
     if (k != b->take && k != b->check && strcmp(q->part, "search") != 0) continue;
     page_cell(p, "%s", k == b->take ? "to take" : k == b->check ? "check" : "tried");
-    page_cell(p, "%s", setting_words(b->scene, &q->at, words, sizeof words));
+    page_cell(p, "%s", setting_text(b->scene, &q->at, 0, words));
     page_cell(p, "%.6g", q->got.value);
     page_cell(p, "%s", percent(budget_error(b, k), text));
     page_cell(p, "%.2g", q->got.seconds);
@@ -128,14 +128,13 @@ void budget_tables(const budget *b, page *p) {
 
 static int budget_csv(const budget *b, const char *directory) {
   char words[SETTING_ROOM];
-  FILE *file = open_in(directory, "budget.csv");
+  FILE *file = open_table(directory, "budget.csv", "part,setting,status,answer,error,cpu_s\n");
   if (!file) return 0;
-  fputs("part,setting,status,answer,error,cpu_s\n", file);
   for (int k = 0; k < b->probes; k++) {
     const probe *p = &b->probe[k];
     fprintf(file, "%s,%s,%s,%.10g,%.3e,%.4e\n", quote(AS_CSV, p->part).text,
-            setting_options(b->scene, &p->at, words, sizeof words), status_word(p->got.status),
-            p->got.value, budget_error(b, k), p->got.seconds);
+            setting_text(b->scene, &p->at, 1, words), status_word(p->got.status), p->got.value,
+            budget_error(b, k), p->got.seconds);
   }
   return close_file(file, "budget.csv");
 }

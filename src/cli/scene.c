@@ -7,9 +7,7 @@
  * equivalent ones of the other kind: of weighted reactions P r at its node, of concentrated ones
  * P^-1 r.
  */
-#define _GNU_SOURCE
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +17,7 @@
 
 typedef struct scene_options {
   const char *name;
-  int weighted, json;
+  int weighted;
   int as_printed; /* 1: by jean_sweeps instead of a method */
   dls_fe_scene_settings block;
   solver_options solver;
@@ -201,11 +199,7 @@ static dls_status solve_primal(run *a, const scene_options *o, const double *f, 
                                dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.limits.tol = o->solver.settings.limits.tol;
-  if (o->solver.settings.limits.max_iterations)
-    settings.limits.max_iterations = o->solver.settings.limits.max_iterations;
-  settings.limits.progress = o->solver.settings.limits.progress;
-  settings.limits.progress_data = o->solver.settings.limits.progress_data;
+  settings.limits = o->solver.settings.limits;
   dls_status status = DLS_OK;
   if (!a->primal) status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
   if (!status)
@@ -292,10 +286,7 @@ static int read_reference(const char *path, run *a) {
     for (int c = 0; c < a->data.candidates; c++)
       a->paper[k][c] = NAN;
   FILE *file = fopen(path, "r");
-  if (!file) {
-    complain("%s: %s", path, strerror(errno));
-    return 0;
-  }
+  if (!file) return refuse("%s: %s", path, strerror(errno));
   char line[512];
   int number = 0, good = fgets(line, sizeof line, file) != NULL;
   while (good && fgets(line, sizeof line, file)) {
@@ -376,13 +367,6 @@ static void print_admissible(const run *a) {
     printf("not admissible: %d pull, %d more lie outside of the cone\n", pulls, outside);
 }
 
-static void print_step(const scene_options *o, const dls_info *first) {
-  printf("first step, %s alone: %s, %d %s, residual %.1e\n",
-         o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(first->status),
-         first->iterations, iteration_word(first->method, first->iterations),
-         first->certificate.residual);
-}
-
 static void print_run(const run *a, const scene_options *o) {
   const outcome *out = &a->outcome;
   const dls_certificate *c = &out->info.certificate;
@@ -392,7 +376,11 @@ static void print_run(const run *a, const scene_options *o) {
                                                           : dls_status_text(out->info.status),
          out->info.iterations, iteration_word(out->info.method, out->info.iterations), c->residual,
          out->solve_cpu_seconds);
-  if (a->data.f_first) print_step(o, &a->first);
+  if (a->data.f_first)
+    printf("first step, %s alone: %s, %d %s, residual %.1e\n",
+           o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(a->first.status),
+           a->first.iterations, iteration_word(a->first.method, a->first.iterations),
+           a->first.certificate.residual);
   print_residuals("", c);
   print_stages(&out->info);
   if (out->primal)
@@ -422,9 +410,9 @@ static void print_run(const run *a, const scene_options *o) {
 /* ---- files ----------------------------------------------------------------------------------- */
 
 static int write_csv(const run *a, const scene_options *o) {
-  FILE *file = open_in(o->out, "contact.csv");
+  FILE *file =
+      open_table(o->out, "contact.csv", "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n");
   if (!file) return 0;
-  fputs("candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n", file);
   for (int c = 0; c < a->data.candidates; c++) {
     fprintf(file, "%d", c + 1);
     for (int k = X; k <= RN; k++)
@@ -436,17 +424,12 @@ static int write_csv(const run *a, const scene_options *o) {
   return close_file(file, "contact.csv");
 }
 
-static int write_json(const char *directory, const outcome *o) {
-  FILE *file = open_in(directory, "result.json");
-  if (!file) return 0;
-  print_json(file, o);
-  return close_file(file, "result.json");
-}
-
 static int write_files(const run *a, const scene_options *o) {
   char path[PATH_ROOM], name[256], title[256];
   dls_error error = {0};
-  if (!write_csv(a, o) || !write_json(o->out, &a->outcome)) return EXIT_BAD_INPUT;
+  FILE *json = write_csv(a, o) ? open_in(o->out, "result.json") : NULL;
+  if (json) print_json(json, &a->outcome);
+  if (!json || !close_file(json, "result.json")) return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
   for (int c = 0; c < a->data.candidates; c++)
@@ -481,24 +464,15 @@ static int write_files(const run *a, const scene_options *o) {
 
 static int run_scene(const scene_options *o) {
   run a = {0};
-  dls_error error = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  if (dls_fe_scene_create_with(&a.scene, o->name, o->weighted, &o->block, &error)) {
-    result = complain_of(o->name, &error);
-    goto end;
-  }
+  if (dls_fe_scene_create_with(&a.scene, o->name, o->weighted, &o->block, &error)) goto failed;
   dls_fe_scene_get(a.scene, &a.data);
-  if (!scene_allocate(&a)) {
-    result = complain("%s: out of memory", o->name);
-    goto end;
-  }
+  if (!scene_allocate(&a)) goto failed;
   if (o->reference && !read_reference(o->reference, &a)) goto end;
   if (o->out && !take_folder(o->out, "scene", o->name)) goto end;
-  if (scene_compute(&a, o, &error)) {
-    result = complain_of(o->name, &error);
-    goto end;
-  }
-  if (o->json)
+  if (scene_compute(&a, o, &error)) goto failed;
+  if (is_json())
     print_json(stdout, &a.outcome);
   else if (!is_quiet())
     print_run(&a, o);
@@ -509,12 +483,15 @@ static int run_scene(const scene_options *o) {
       title, sizeof title, is_solved(info->status) ? "%.80s" : "%.80s [%s]", o->name,
       unsolved_words(info->status, info->certificate.residual, unsolved, sizeof unsolved));
   if (o->save && dls_fclib_write_local(o->save, &a.contact, title, a.r, a.u, &error)) {
-    result = complain_of(o->save, &error);
+    (void)complain_of(o->save, &error);
     goto end;
   }
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
-  if (!o->json) print_ending(a.outcome.info.status, &a.outcome.info);
+  if (!is_json()) print_ending(a.outcome.info.status, &a.outcome.info);
   result = is_solved(a.outcome.info.status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  goto end;
+failed:
+  (void)complain_of(o->name, &error);
 end:
   scene_release(&a);
   return result;
@@ -538,23 +515,20 @@ static taken parse_load(const char *text, dls_fe_scene_settings *block) {
   if (count == 2) block->side_top = block->side;
   block->has_load = 1;
   if (count == 2 || (count == 4 && more == ',')) return OPTION_TAKEN;
-  complain("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
-  return OPTION_WRONG;
+  return (taken)refuse("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
 }
 
 static taken parse_order(const char *text, dls_fe_order *order) {
   static const char *const words[] = {"together", "top-first", "side-first"};
-  for (int k = DLS_FE_TOGETHER; k <= DLS_FE_SIDE_FIRST; k++)
-    if (!strcmp(text, words[k])) return *order = (dls_fe_order)k, OPTION_TAKEN;
-  complain("--order: '%s' is none of together, top-first, side-first", text);
-  return OPTION_WRONG;
+  const int k = parse_word("order", text, words, 3);
+  *order = (dls_fe_order)k;
+  return k >= 0 ? OPTION_TAKEN : OPTION_WRONG;
 }
 
 static taken parse_young(const char *text, double *E) {
   const taken result = parse_number("young", text, E);
   if (result != OPTION_TAKEN || *E > 0) return result;
-  complain("--young: '%s' is not a number > 0", text);
-  return OPTION_WRONG;
+  return (taken)refuse("--young: '%s' is not a number > 0", text);
 }
 
 enum { KEY_YOUNG = 256, KEY_LOAD, KEY_ORDER, KEY_LIST };
@@ -576,6 +550,14 @@ static taken take_scene_option(int key, const char *text, void *data) {
   }
 }
 
+/* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
+static int no_scene(const char *name) {
+  nearest near = {.word = name};
+  for (int k = 0; scene_name(k); k++)
+    nearest_try(&near, scene_name(k));
+  return complain("'%s' is no scene%s", name,
+                  near.count ? nearest_words(&near) : "; 'delassus scene --list' names them");
+}
 int command_scene(int argc, char **argv) {
   static const option_row options[] = {SOLVER_OPTIONS(scene_options, solver),
                                        ROW(A_MESH, "mesh", 0, scene_options, block.nx),
@@ -599,7 +581,6 @@ int command_scene(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
-  o.json = is_json();
   if (!kind_of_scene(o.name)) return no_scene(o.name);
   watch_interrupt();
   return run_scene(&o);

@@ -117,9 +117,8 @@ static int write_map_csv(const influence *of, const char *directory) {
 static int write_friction_csv(const influence *of, const char *directory) {
   static const char letter[] = "nts";
   const int d = of->contact->d, nc = of->contact->nc;
-  FILE *file = open_in(directory, "friction.csv");
+  FILE *file = open_table(directory, "friction.csv", "candidate,state");
   if (!file) return 0;
-  fputs("candidate,state", file);
   for (int i = 0; i < 2 * d; i++)
     fprintf(file, i < d ? ",r_%c" : ",dr_%c_dmu", letter[i % d]);
   fputc('\n', file);

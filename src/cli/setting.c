@@ -1,5 +1,4 @@
 /* setting.c: runs a scene of any kind at a setting; its one number (setting.h). */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,8 +64,7 @@ static dls_status solve_equilibrium(const dls_fe_scene_data *d, double tol, doub
   if (!status) status = dls_reduction_contact(*reduction, d->mu, &contact, error);
   if (status) return status;
   *r = calloc(2 * (size_t)contact.nc, sizeof **r);
-  if (!*r)
-    return *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"}, DLS_E_MEMORY;
+  if (!*r) return no_memory(error);
   status = dls_solve(&contact, &settings, *r, NULL, &info, error);
   if (status < 0) return status;
   out->status = status == DLS_TO_ROUNDING ? DLS_OK : status;
@@ -293,9 +291,7 @@ const char *setting_variant(const scene *s, int k, setting *at) {
   }
 }
 
-/* Writes the parts of a setting with the words of an option before each. */
-static const char *write_setting(const scene *s, const setting *at, int options, char *text,
-                                 size_t size) {
+const char *setting_text(const scene *s, const setting *at, int options, char text[SETTING_ROOM]) {
   char mesh[60] = "", upper[40] = "", steps[40] = "", more[80] = "";
   if (at->nx && at->ny)
     (void)snprintf(mesh, sizeof mesh, options ? "--mesh=%dx%d " : "%d x %d, ", at->nx, at->ny);
@@ -308,16 +304,8 @@ static const char *write_setting(const scene *s, const setting *at, int options,
   if (options && at->mass != s->own.mass)
     (void)snprintf(more, sizeof more, " --mass=%s",
                    at->mass == DLS_FE_LUMPED ? "lumped" : "consistent");
-  (void)snprintf(text, size, "%s%s%s%s%.0e%s%s%s", mesh, upper, steps, options ? "--tol=" : "tol ",
-                 at->tol, options && at->weighted ? " --weighted" : "",
+  (void)snprintf(text, SETTING_ROOM, "%s%s%s%s%.0e%s%s%s", mesh, upper, steps,
+                 options ? "--tol=" : "tol ", at->tol, options && at->weighted ? " --weighted" : "",
                  options && at->clamped ? " --clamped" : "", more);
   return text;
-}
-
-const char *setting_options(const scene *s, const setting *at, char *text, size_t size) {
-  return write_setting(s, at, 1, text, size);
-}
-
-const char *setting_words(const scene *s, const setting *at, char *text, size_t size) {
-  return write_setting(s, at, 0, text, size);
 }

@@ -61,9 +61,8 @@ setting setting_scaled(const scene *s, int mesh, int steps, int tol);
 const char *setting_variant(const scene *s, int k, setting *at);
 
 /* Writes the options of `delassus scene` that set `at` ("--mesh=20x20 --steps=100 --tol=1e-04"),
- * and the same in words ("20 x 20, 100 steps, tol 1e-04"), into text (size); returns text. */
+ * or, options = 0, the same in words ("20 x 20, 100 steps, tol 1e-04"); returns text. */
 enum { SETTING_ROOM = 160 };
-const char *setting_options(const scene *s, const setting *at, char *text, size_t size);
-const char *setting_words(const scene *s, const setting *at, char *text, size_t size);
+const char *setting_text(const scene *s, const setting *at, int options, char text[SETTING_ROOM]);
 
 #endif

@@ -1,6 +1,4 @@
 /* solve.c: delassus solve FILE, delassus solve --lcp M.mtx q.mtx: solves problems from files. */
-#define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +12,7 @@ enum { KEY_FORCES = 256 };
 typedef struct solve_options {
   solver_options solver;
   source from;
-  int lcp, json, proof, prove, print, explain;
+  int lcp, proof, prove, print, explain;
   const char *out, *csv, *history, *plot; /* NULL: none */
 } solve_options;
 
@@ -131,9 +129,7 @@ static dls_status recover(problem *p, const double *r, double **x, dls_error *er
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
   if (status) return status;
   *x = malloc((size_t)p->model.n * sizeof **x);
-  if (*x) return dls_reduction_recover(p->reduction, r, *x, error);
-  *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-  return DLS_E_MEMORY;
+  return *x ? dls_reduction_recover(p->reduction, r, *x, error) : no_memory(error);
 }
 
 /* Returns 1 for a status that a vector of the solver stands behind. */
@@ -151,6 +147,23 @@ static int print_states(const problem *p, const double *r, const double *u) {
   printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
   free(state);
   return 1;
+}
+
+/* Prints what dls_explain says, a line each. */
+static void print_explanation(const char *indent, const dls_info *info) {
+  char text[200 * (DLS_STAGES_MAX + 4)];
+  (void)dls_explain(info, text, sizeof text);
+  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
+    printf("%s%s\n", indent, line);
+}
+
+/* Prints what is known of other answers, a line for each fact. */
+static void print_others(const char *indent, const dls_info *info) {
+  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
+  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
+  if (info->ambiguous)
+    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
+           plural(info->ambiguous));
 }
 
 enum { hint_rows = 300 }; /* of a problem that is looked at in full for a hint */
@@ -200,7 +213,7 @@ static dls_status prove(problem *p, outcome *o, double *r, double *u, double *x,
 static int solve_contact(const char *path, const solve_options *options) {
   problem p = {0};
   dls_solver *solver = NULL;
-  dls_error error = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   double *r = NULL, *u = NULL, *x = NULL;
   int result = EXIT_BAD_INPUT;
   source from = options->from;
@@ -218,51 +231,30 @@ static int solve_contact(const char *path, const solve_options *options) {
   const size_t m = (size_t)p.contact.d * (size_t)p.contact.nc;
   r = malloc(m * sizeof *r);
   u = malloc(m * sizeof *u);
-  if (!r || !u) {
-    (void)complain("%s: out of memory", path);
-    goto end;
-  }
+  if (!r || !u) goto failed;
   outcome o = {.d = p.contact.d, .nc = p.contact.nc};
   dls_solver_settings settings = options->solver.settings;
   settings.limits.blocks = p.contact.Wb.x ? p.contact.Wb.p[o.nc] : 0;
-  if (p.of_bodies && dls_bodies_count(&p.contact, &settings.limits.blocks, &error)) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
+  if (p.of_bodies && dls_bodies_count(&p.contact, &settings.limits.blocks, &error)) goto failed;
   const double start = cpu_seconds();
   dls_status status = DLS_STALLED;
   int mover = 0;
-  if (p.reduction && (x = malloc((size_t)p.model.n * sizeof *x)) == NULL) {
-    (void)complain("%s: out of memory", path);
-    goto end;
-  }
+  if (p.reduction && (x = malloc((size_t)p.model.n * sizeof *x)) == NULL) goto failed;
   if (p.reduction)
     status = dls_reduction_solve(p.reduction, p.mu, &settings, r, u, x, &o.info, &error);
   const double *motion =
       status == DLS_NO_SOLUTION ? dls_reduction_motion(p.reduction, &mover) : NULL;
   if (!p.reduction || (!p.on_K && !motion && has_vectors(status))) { /* which the solver on W has */
-    if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
-      (void)complain_of(path, &error);
-      goto end;
-    }
+    if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) goto failed;
     status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
   }
   o.solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
-  if (status < 0) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
+  if (status < 0) goto failed;
   o.prove = options->prove && is_solved(status) && !p.on_K;
-  if (o.prove && prove(&p, &o, r, u, x, &error)) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
+  if (o.prove && prove(&p, &o, r, u, x, &error)) goto failed;
   o.freedom = !is_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
-  if (is_solved(status) && !p.on_K && count_freedom(&p.contact, r, &o.freedom, &error)) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
+  if (is_solved(status) && !p.on_K && count_freedom(&p.contact, r, &o.freedom, &error)) goto failed;
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
@@ -275,12 +267,9 @@ static int solve_contact(const char *path, const solve_options *options) {
   const int wrong = !p.on_K && !is_solved(status) &&
                     o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
-  if (p.of_bodies && (options->out || options->print || options->csv) &&
-      recover(&p, r, &x, &error)) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
-  if (options->json)
+  if (p.of_bodies && (options->out || options->print || options->csv) && recover(&p, r, &x, &error))
+    goto failed;
+  if (is_json())
     print_json(stdout, &o);
   else if (!is_quiet() && !print_outcome(path, &p, &o, options->explain, r, u))
     goto end;
@@ -293,11 +282,14 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->csv && !write_results(options->csv, &p, &o, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, &o, r, u, x)) goto end;
-  if (!options->json && o.prove)
+  if (!is_json() && o.prove)
     print_proved(&o.proved);
-  else if (!options->json)
+  else if (!is_json())
     print_ending(status, &o.info);
   result = is_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  goto end;
+failed:
+  (void)complain_of(path, &error);
 end:
   dls_solver_destroy(solver);
   problem_free(&p);
@@ -346,36 +338,24 @@ static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_s
 
 /* Solves an LCP and tells of it; `path` names it. */
 static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_options *options) {
-  dls_error error = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   dls_lemke *lemke = NULL;
   const int n = lcp->n;
   int result = EXIT_BAD_INPUT;
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
-  settings.limits.tol = options->solver.settings.limits.tol;
-  settings.limits.max_iterations = options->solver.settings.limits.max_iterations;
-  settings.limits.progress = options->solver.settings.limits.progress;
-  settings.limits.progress_data = options->solver.settings.limits.progress_data;
+  settings.limits = options->solver.settings.limits;
   double *z = calloc(2 * (size_t)n, sizeof *z);
-  if (!z || dls_lemke_create(&lemke, n, &settings, &error)) {
-    (void)(z ? complain_of(path, &error) : complain("%s: out of memory", path));
-    goto end;
-  }
+  if (!z || dls_lemke_create(&lemke, n, &settings, &error)) goto failed;
   dls_lemke_info info;
   const double start = cpu_seconds();
   const dls_status status = dls_lemke_solve(lemke, lcp, z, NULL, &info, &error);
   const double solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
-  if (status < 0) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
+  if (status < 0) goto failed;
   verdict v;
-  if (fill_lcp_verdict(&v, lemke, lcp, status, z + n, &error)) {
-    (void)complain_of(path, &error);
-    goto end;
-  }
-  if (options->json)
+  if (fill_lcp_verdict(&v, lemke, lcp, status, z + n, &error)) goto failed;
+  if (is_json())
     print_lcp_json(n, &info, solve_cpu_seconds, &v, options->proof);
   else if (!is_quiet()) {
     printf("%s: LCP of %d unknown%s\n", quote(AS_SHOWN, path).text, n, plural(n));
@@ -396,12 +376,30 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (!options->json) print_ending(status, NULL);
+  if (!is_json()) print_ending(status, NULL);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  goto end;
+failed:
+  (void)complain_of(path, &error);
 end:
   dls_lemke_destroy(lemke);
   free(z);
   return result;
+}
+
+/* Returns 1 if the options suit an LCP, 0 after a complaint. */
+static int suits_lcp(const solve_options *o) {
+  const dls_solver_settings *s = &o->solver.settings;
+  if ((o->solver.method_given || o->solver.accel_given) && s->method != DLS_LEMKE)
+    return refuse("--%s: an LCP is solved by lemke", o->solver.method_given ? "method" : "accel");
+  if (o->explain || s->plan || s->without)
+    return refuse("--plan, --without, --explain: are for contact problems");
+  if (!s->facets && !o->print && !o->csv && !o->prove && !s->forces) return 1;
+  return refuse("--%s: is for contact problems", s->facets  ? "facets"
+                                                 : o->print ? "print"
+                                                 : o->csv   ? "csv"
+                                                 : o->prove ? "prove"
+                                                            : "forces");
 }
 
 static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
@@ -434,19 +432,7 @@ static int solve_file(const char *path, const solve_options *options) {
                ? complain("--lcp: %s holds no LCP; a contact problem goes without --lcp", path)
                : solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
-  const dls_solver_settings *s = &options->solver.settings;
-  if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
-    (void)complain("%s: an LCP is solved by lemke", path);
-  else if (options->explain || s->plan || s->without)
-    (void)complain("--plan, --without, --explain: are for contact problems");
-  else if (s->facets)
-    (void)complain("--facets: is for contact problems and lemke");
-  else if (options->print || options->csv || options->prove || s->forces)
-    (void)complain("--%s: is for contact problems", options->print   ? "print"
-                                                    : options->csv   ? "csv"
-                                                    : options->prove ? "prove"
-                                                                     : "forces");
-  else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
+  if (suits_lcp(options) && dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
     result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
   dls_text_destroy(text);
   return result;
@@ -454,17 +440,13 @@ static int solve_file(const char *path, const solve_options *options) {
 
 /* ---- options --------------------------------------------------------------------------------- */
 
-static taken parse_forces(const char *text, dls_forces *forces) {
-  *forces = strcmp(text, "least") == 0 ? DLS_FORCES_LEAST : DLS_FORCES_ANY;
-  if (*forces == DLS_FORCES_LEAST || strcmp(text, "any") == 0) return OPTION_TAKEN;
-  complain("--forces: '%s' is neither any nor least", text);
-  return OPTION_WRONG;
-}
-
 static taken take_solve_option(int key, const char *text, void *data) {
+  static const char *const words[] = {[DLS_FORCES_ANY] = "any", [DLS_FORCES_LEAST] = "least"};
   solve_options *o = data;
-  return key == KEY_FORCES ? parse_forces(text, &o->solver.settings.forces)
-                           : take_solver_option(key, text, &o->solver);
+  if (key != KEY_FORCES) return take_solver_option(key, text, &o->solver);
+  const int k = parse_word("forces", text, words, 2);
+  o->solver.settings.forces = (dls_forces)k;
+  return k >= 0 ? OPTION_TAKEN : OPTION_WRONG;
 }
 
 int command_solve(int argc, char **argv) {
@@ -491,7 +473,6 @@ int command_solve(int argc, char **argv) {
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
   if (stop != GO_ON) return stop;
-  o.json = is_json();
   const char *named = matrices_name(&o.from.matrices);
   if (!named && matrices_given(&o.from.matrices))
     return complain("give one of --stiffness, --flexibility and --W");
@@ -499,23 +480,19 @@ int command_solve(int argc, char **argv) {
   if (o.lcp && files == 1 && other_kind(argv[optind]))
     return complain("--lcp: q is missing: delassus solve --lcp %s q.mtx", argv[optind]);
   if (files != (named ? 0 : o.lcp && files == 2 ? 2 : 1)) return wrong_names(argv[0]);
-  if (o.explain && o.json) return complain("--explain, --json: one of the two");
+  if (o.explain && is_json()) return complain("--explain, --json: one of the two");
   if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
   const int steps = o.explain || o.solver.settings.plan || o.solver.settings.without;
-  if (steps && (o.lcp || o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
+  if (steps && (o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
     return complain("--plan, --without, --explain: are for auto");
-  if (o.print && o.json) return complain("--print, --json: one of the two");
-  if (o.lcp && (named || o.print || o.csv || o.prove || o.solver.settings.forces))
-    return complain("--lcp: goes without --W, --stiffness, --flexibility, --print, --csv, --prove "
-                    "and --forces");
+  if (o.print && is_json()) return complain("--print, --json: one of the two");
+  if (o.lcp && named) return complain("--lcp: goes without --W, --stiffness and --flexibility");
   const char *path = named ? named : argv[optind];
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
-  const dls_method method = o.solver.settings.method;
-  if (o.solver.settings.facets && (o.lcp || method != DLS_LEMKE))
+  if (o.solver.settings.facets && o.solver.settings.method != DLS_LEMKE)
     return complain("--facets: is for contact problems and lemke");
-  if (o.lcp && (o.solver.method_given || o.solver.accel_given) && method != DLS_LEMKE)
-    return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
+  if (o.lcp && !suits_lcp(&o)) return EXIT_BAD_INPUT;
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
   /* before the work: an answer that cannot be written is lost */

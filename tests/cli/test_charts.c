@@ -421,37 +421,6 @@ START_TEST(profile_counts) {
 }
 END_TEST
 
-/* Three problems have a solution, c04 none, which Lemke's method proves: each of the four is ended
- * by one step, and one step is the first to solve each of the three. */
-START_TEST(portfolio_counts) {
-  int all_ended = 0, all_first = 0, rows = 0, of_lemke = 0;
-  const int result = run("profile --portfolio -l 0.05 data/failures/c25-unsymmetric.txt "
-                         "data/failures/c04-squeezed.txt data/failures/c15-slow-splitting.txt "
-                         "data/failures/c11-gauss-seidel-cycle.txt");
-  ck_assert_msg(result == 0, "%s", output);
-  ck_assert(shows("auto on 4 problems to 1e-08: 3 solved, 1 proved to have no solution, "));
-  const char *at = strstr(output, "\nstep ");
-  ck_assert_ptr_nonnull(at);
-  for (at = strchr(at + 1, '\n'); at; at = strchr(at + 1, '\n'), rows++) {
-    char step[30];
-    double seconds, share;
-    int tried, ended, alone, first;
-    if (sscanf(at + 1, "%29s %d %d %lf %lf %% %d %d", step, &tried, &ended, &seconds, &share,
-               &alone, &first) != 7)
-      break;
-    ck_assert(ended <= tried && tried <= 4 && first <= alone && alone <= 3);
-    ck_assert(seconds >= 0 && share >= 0 && share <= 100);
-    all_ended += ended;
-    all_first += first;
-    if (strcmp(step, "lemke") == 0) of_lemke = ended;
-  }
-  ck_assert_int_ge(rows, 8);
-  ck_assert(all_ended == 4 && all_first == 3 && of_lemke >= 1);
-  ck_assert_int_eq(run("profile --portfolio data/failures/c04-squeezed.txt --tol x"), 2);
-  ck_assert_int_eq(run("profile --portfolio /no/such.hdf5"), 2);
-}
-END_TEST
-
 START_TEST(solve_plots_its_history) {
   NEEDS_HDF5;
   ck_assert_int_eq(run("solve data/fclib/FC2D_SliderCrankLagrangian00000.hdf5 --plot @/h"), 0);
@@ -534,6 +503,6 @@ int main(void) {
       ONCE(map_of_meshes_that_fold), ONCE(map_of_bodies_that_move),
       ONCE(map_tells_how_far_a_run_is_off), ONCE(limits_are_no_verdicts),
       ONCE(steps_and_matrices_are_problems), ONCE(matrices_are_problems), ONCE(lcps_are_skipped),
-      ONCE(interrupted_map_is_drawn), ONCE(profile_counts), ONCE(portfolio_counts),
-      ONCE(solve_plots_its_history), ONCE(a_new_folder_each_time), ONCE(wrong_use_is_2));
+      ONCE(interrupted_map_is_drawn), ONCE(profile_counts), ONCE(solve_plots_its_history),
+      ONCE(a_new_folder_each_time), ONCE(wrong_use_is_2));
 }

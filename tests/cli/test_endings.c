@@ -30,7 +30,6 @@ static const ending endings[] = {
     {"scene indentation --mesh 4x4 --tol 1e-16", 1, "not solved: no further progress"},
     {"scene block-drop --steps 50", 0, "solved"},
     {"scene two-blocks --mu 0.1", 1, "not solved: no solution exists"}, /* it slides off */
-    {"converge bar-impact --from 10 --meshes 2", 0, "solved"},
     {"chart -r 1 data/failures/c20-scales.txt -o @", 0, "solved"},
     {"chart -r 1 data/failures/c04-squeezed.txt -o @", 1, "not solved: auto to 1e-02: proved none"},
     {"map jean-fig4 --rows 2 -o @", 0, "solved"},
@@ -82,7 +81,6 @@ START_TEST(verbose_goes_to_stderr) {
       {"scene jean-fig3", "s of CPU, residual"},
       {"scene indentation --mesh 4x4 --steps 10", "step: 10 of at most 10"},
       {"scene block-drop --steps 20", "block-drop: 20 of at most 20"},
-      {"converge bar-impact --from 10 --meshes 1", "bar-impact: "},
       {"map data/failures/c20-scales.txt --rows 2 -o @", "s of CPU, residual"},
       {"info data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5", "reduction: "}};
   char arguments[300];

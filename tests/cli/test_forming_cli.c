@@ -59,23 +59,6 @@ START_TEST(every_method) {
 }
 END_TEST
 
-/* The tables as one object: every method of both scenes, finished; where the order is not the
- * paper's is said. */
-START_TEST(tables_json) {
-  ck_assert_int_eq(run("tables --json"), 0);
-  ck_assert_int_eq(output[0], '{');
-  int done = 0;
-  for (const char *at = output; (at = strstr(at, "\"status\": \"solved\"")); at++)
-    done++;
-  ck_assert_int_eq(done, 2 * 7);
-  ck_assert_ptr_nonnull(strstr(output, "\"table\": 3, \"scene\": \"extrusion\""));
-  ck_assert_ptr_nonnull(strstr(output, "\"order_differs\": ["));
-  ck_assert_int_eq(run("tables --nonsense"), 2);
-  ck_assert_int_eq(run("tables 3"), 2);
-  ck_assert_int_eq(run("tables --help"), 0);
-}
-END_TEST
-
 /* a tolerance below rounding: not solved, 1, and the state reached is printed */
 START_TEST(not_solved) {
   ck_assert_int_eq(run("scene indentation --mesh 4x4 --tol 1e-16"), 1);
@@ -107,5 +90,5 @@ END_TEST
 
 int main(void) {
   return RUN("forming_cli", make_directory, remove_directory, ONCE(files), ONCE(every_method),
-             ONCE(not_solved), ONCE(bad_options), ONCE(tables_json));
+             ONCE(not_solved), ONCE(bad_options));
 }

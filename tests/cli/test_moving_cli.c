@@ -134,25 +134,6 @@ START_TEST(interrupted) {
 }
 END_TEST
 
-START_TEST(converge) {
-  char line[400];
-  ck_assert_int_eq(run("converge bar-impact --from 20 --meshes 4 --out @/d"), 0);
-  ck_assert_double_ge(printed("observed order "), 0.5);
-  ck_assert_int_eq(lines_of("d/converge.csv", line), 5);
-  int elements;
-  double h, error, order;
-  ck_assert_int_eq(sscanf(line, "%d,%lf,%lf,%lf", &elements, &h, &error, &order), 4);
-  ck_assert(elements == 160 && h == 10.0 / 160 && error > 0 && error < 0.05);
-  ck_assert_int_gt(lines_of("d/converge.gp", line), 10);
-  ck_assert_int_eq(run("converge block-drop"), 2);
-  ck_assert_ptr_nonnull(strstr(output, "has no closed form"));
-  ck_assert_int_eq(run("converge bar-impact --meshes 13"), 2);
-  ck_assert_int_eq(run("converge bar-impact --from 0"), 2);
-  ck_assert_int_eq(run("converge"), 2);
-  ck_assert_int_eq(run("converge --help"), 0);
-}
-END_TEST
-
 START_TEST(bad_options) {
   static const char *const bad[] = {
       "scene bar-impact --law gaps",   "scene bar-impact --mass heavy",
@@ -187,6 +168,5 @@ END_TEST
 
 int main(void) {
   return RUN("moving_cli", make_directory, remove_directory, ONCE(summary), ONCE(options),
-             ONCE(files), EACH(interrupted, 0, 4), ONCE(converge), ONCE(bad_options),
-             ONCE(slides_away));
+             ONCE(files), EACH(interrupted, 0, 4), ONCE(bad_options), ONCE(slides_away));
 }

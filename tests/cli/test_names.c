@@ -339,7 +339,6 @@ START_TEST(errors_escape_controls) {
                                          {"profile", strange},
                                          {"report", strange},
                                          {"scene", strange},
-                                         {"converge", strange},
                                          {strange},
                                          {"solve", "-m", strange, "x"},
                                          {"solve", "-t", strange, "x"},

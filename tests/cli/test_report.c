@@ -163,6 +163,19 @@ START_TEST(without_gnuplot) {
 }
 END_TEST
 
+/* A part that cannot write its files is left out, with the reason; the page is whole. */
+START_TEST(a_part_that_fails_leaves_the_page) {
+  char command[400];
+  (void)snprintf(command, sizeof command,
+                 "mkdir -p %s/bar-fixed/scene && echo other >%s/bar-fixed/scene/made-by.txt",
+                 directory, directory);
+  ck_assert_int_eq(system(command), 0);
+  ck_assert_int_le(run("report bar-fixed --quick --cpu=2 -o @"), 1);
+  expect_page("bar-fixed.html");
+  ck_assert_ptr_nonnull(strstr(contents("bar-fixed.html"), "holds the files of"));
+}
+END_TEST
+
 static const struct {
   const char *typed, *answer;
 } mistakes[] = {{"report", "too few or too many names"},
@@ -182,5 +195,6 @@ END_TEST
 int main(void) {
   return RUN("report", make_directory, remove_directory, ONCE(advice_holds),
              EACH(page_and_text, 0, report_count), ONCE(matrices_and_many_names),
-             ONCE(without_gnuplot), EACH(mistakes_are_named, 0, mistake_count));
+             ONCE(without_gnuplot), ONCE(a_part_that_fails_leaves_the_page),
+             EACH(mistakes_are_named, 0, mistake_count));
 }

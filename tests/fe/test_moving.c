@@ -128,6 +128,24 @@ START_TEST(fixed_order) { /* >= .6 between 50 and 800 elements */
 }
 END_TEST
 
+/* The order of the error of the gap over 25, 50, .., 400 elements: the slope of log(error) over
+ * log(h), least squares. h halves from mesh to mesh, so that the weights are 2, 1, 0, -1, -2. */
+START_TEST(orders) {
+  static const char *const name[] = {"bar-impact", "bar-bounce", "bar-fixed"};
+  static const double published[] = {0.87, 0.68, 0.76};
+  double sum = 0, first = 0;
+  for (int k = 0; k < 5; k++) {
+    dls_moving_settings s = defaults();
+    s.nx = 25 << k;
+    const dls_moving_data d = whole(name[_i], &s);
+    if (k == 0) first = d.element;
+    expect(d.element, first / (1 << k), 1e-14);
+    sum += (2 - k) * log(d.gap_error);
+  }
+  expect(sum / (10 * log(2)), published[_i], 0.01);
+}
+END_TEST
+
 /* The closed forms: gaps are continuous and >= 0, forces push only where the gap is 0, impulses are
  * those of the weight or of the turned momentum, and the end is the start again. */
 START_TEST(closed_forms) {
@@ -587,8 +605,9 @@ END_TEST
 
 int main(void) {
   return RUN("moving", NULL, NULL, EACH(impact_of_a_lumped_bar, 0, 3), ONCE(impact), ONCE(bounce),
-             ONCE(fixed), ONCE(fixed_order), EACH(closed_forms, 0, 3), EACH(jean, 0, 6), ONCE(drop),
-             ONCE(blocks_in_one_piece), EACH(blocks_patch, 7, 20), ONCE(blocks_equilibrium),
-             ONCE(blocks_with_mass), ONCE(mortar), ONCE(names), ONCE(bad_input),
-             EACH(problem_of_a_step, 0, 3), EACH(without_memory, 0, 4), ONCE(repeated));
+             ONCE(fixed), ONCE(fixed_order), EACH(orders, 0, 3), EACH(closed_forms, 0, 3),
+             EACH(jean, 0, 6), ONCE(drop), ONCE(blocks_in_one_piece), EACH(blocks_patch, 7, 20),
+             ONCE(blocks_equilibrium), ONCE(blocks_with_mass), ONCE(mortar), ONCE(names),
+             ONCE(bad_input), EACH(problem_of_a_step, 0, 3), EACH(without_memory, 0, 4),
+             ONCE(repeated));
 }

@@ -226,7 +226,6 @@ static const fault_case cases[] = {
     {"forming", "scene indentation --mesh 6x4 --steps 2 --out d --save out.hdf5"},
     {"moving", "scene jean-moving --mesh 16x8 --steps 2 --out d"},
     {"bar", "scene bar-impact --mesh 6x1 --steps 6 --out d"},
-    {"converge", "converge bar-impact --from 3 --meshes 2 --out d"},
     {"chart", "chart text.txt --repeat 1 --out d"},
     {"map", "map text.txt --rows 2 --out d"},
     {"profile", "profile text.txt --repeat 1 --out d"},

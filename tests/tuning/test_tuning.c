@@ -255,7 +255,7 @@ END_TEST
 /* Sweeps and steps end most of them, and all is solved. */
 START_TEST(auto_solves_what_its_methods_do_not) {
   static planted_problem a;
-  int ended_with[DLS_PENALTY + 1] = {0}, failed[DLS_PENALTY + 1] = {0};
+  int ended_with[DLS_HOMOTOPY + 1] = {0}, failed[DLS_HOMOTOPY + 1] = {0};
   for (int k = 0; k < 120; k++) {
     const dls_contact p = planted_case(&a, k % 60);
     double r[3 * PLANTED];
