@@ -155,7 +155,8 @@ static double prove_contraction(dlsi_prove *work) {
       work->F[k] = work->s[c];
       least = fmax(least, work->g[k] / work->s[c]);
     }
-  for (double delta = 2 * least + DBL_MIN, end = 200 * delta; delta <= end; delta *= 10) {
+  const double first = 2 * least + DBL_MIN, last = 200 * first;
+  for (double delta = first; delta <= last && last <= DBL_MAX; delta *= 10) {
     double *y = work->v, holds = 1;
     if (!dlsi_prove_slopes(work, delta)) return 0;
     prove_solve(work, theta, work->B, y);

@@ -497,6 +497,31 @@ START_TEST(nearly_singular) {
 }
 END_TEST
 
+/* W from 1e-300 to 1e300 and forces as far apart: the box of a proof may overflow. Each call ends,
+ * and what it proves is the answer. */
+START_TEST(beyond_the_range_of_numbers) {
+  static model a;
+  int proved = 0;
+  for (int i = -300; i <= 300; i += 50)
+    for (int j = -300; j <= 300; j += 50)
+      for (int l = -300; l <= 300; l += 100) {
+        set_model(&a, 2, 1);
+        a.W[0] = pow(10, i);
+        a.W[3] = 1e-10 * a.W[0];
+        a.q[0] = -pow(10, j);
+        a.mu[0] = 1;
+        const double r[2] = {pow(10, l), 0}, answer = pow(10, j - i);
+        double better[2];
+        const dls_proof proof = prove(&a.p, r, better);
+        if (proof.kind == DLS_NOT_PROVED) continue;
+        ck_assert_double_eq_tol(better[0], answer, 1e-12 * answer);
+        ck_assert_double_eq(better[1], 0);
+        proved++;
+      }
+  ck_assert_int_gt(proved, 200);
+}
+END_TEST
+
 START_TEST(nothing_wrong) {
   double W[4] = {4, 0, 0, 1}, q[2] = {-4, -0.25}, mu[1] = {0.5}, r[2] = {1, 0.25};
   double improved[2] = {7, 7};
@@ -553,5 +578,6 @@ int main(int argc, char **argv) {
   return RUN("prove", NULL, NULL, ONCE(proofs_of_integers), ONCE(proofs_of_planted),
              EACH(border_of_one, 0, 3), ONCE(border_of_free), ONCE(four_legs), ONCE(turned_slip),
              EACH(storages_and_units, 0, 12), EACH(storages_and_units, 100, 106),
-             ONCE(proofs_of_the_catalogue), ONCE(nearly_singular), ONCE(nothing_wrong));
+             ONCE(proofs_of_the_catalogue), ONCE(nearly_singular),
+             ONCE(beyond_the_range_of_numbers), ONCE(nothing_wrong));
 }
