@@ -40,7 +40,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error) {
     return DLS_OK;
   }
   dlsi_auto_set_weights(work);
-  if (!dlsi_may_hide_error(problem, work->weights)) return DLS_OK; /* (AC1) */
+  if (!dlsi_may_hide_error(problem, work->weights, &work->info)) return DLS_OK; /* (AC1) */
   dls_status status = DLS_OK;
   double before = INFINITY;
   for (int turn = 0; status == DLS_OK; turn++) {

@@ -31,7 +31,7 @@ typedef enum part {
 /* A step of a plan. */
 typedef enum step_flags {
   COLD = 1,      /* from r = 0, whatever was found before */
-  EARLY = 2,     /* on a copy of its own, and only if its table is small */
+  EARLY = 2,     /* on a copy of its own, and only if that is cheap for so few contacts */
   FAR = 4,       /* only far from the answer */
   ANY_SWEEPS = 8 /* SWEEPS, or PUSH where those are not open */
 } step_flags;
@@ -164,7 +164,7 @@ int dlsi_auto_may_rest(const dlsi_auto *work);
 int dlsi_auto_may_split(const dlsi_auto *work);
 int dlsi_auto_may_step(const dlsi_auto *work);
 int dlsi_auto_may_pivot(const dlsi_auto *work);
-int dlsi_auto_may_pivot_early(const dlsi_auto *work);
+int dlsi_auto_may_go_early(const dlsi_auto *work, part k); /* EARLY */
 int dlsi_auto_may_follow_path(const dlsi_auto *work);
 int dlsi_auto_may_settle(const dlsi_auto *work);
 int dlsi_auto_may_copy(const dlsi_auto *work);

@@ -40,6 +40,7 @@ enum {
   dlsi_auto_long_pushes     = 2000,/* momentum: before pivots, the augmented Lagrangian, ... */
   dlsi_auto_short_pushes    = 500, /* ... and after Newton */
   dlsi_auto_all_pushes      = 1000000,/* momentum, packings: it ends by itself */
+  dlsi_auto_early_path      = 20,  /* homotopy, d = 3, few contacts: its answers mostly take less */
   dlsi_auto_most_failures   = 5    /* failures that count: each doubles patience; a copy
                                       begins with so many */
 };

@@ -130,9 +130,12 @@ int dlsi_auto_may_pivot(const dlsi_auto *work) {
          rows_of_lcp(work->d, work->nc) <= (late ? dlsi_auto_large : DLS_AUTO_LEMKE_ROWS);
 }
 
-/* Returns 1 if the table is small: 3 rows a candidate in 2D, 10 in 3D. */
-int dlsi_auto_may_pivot_early(const dlsi_auto *work) {
-  return (work->d == 2 ? 3 : 10) * work->nc <= dlsi_auto_early_rows;
+/* Returns 1 for pivots and, in 3D, for the homotopy if the table of the pivots is small: 3 rows a
+ * contact in 2D, 10 in 3D. The facets of Lemke's method in 3D take a hundred times the homotopy's
+ * iterations. */
+int dlsi_auto_may_go_early(const dlsi_auto *work, part k) {
+  return (k == HOMOTOPY) == (work->d == 3) &&
+         (work->d == 2 ? 3 : 10) * work->nc <= dlsi_auto_early_rows;
 }
 
 int dlsi_auto_may_follow_path(const dlsi_auto *work) {

@@ -173,9 +173,12 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
 
 /* ---- a plan ---------------------------------------------------------------------------------- */
 
-/* Paths of pivots depend on the order of the candidates. */
+/* Steps EARLY: paths of pivots depend on the order of the contacts. */
 static dls_status take_pivots(dlsi_auto *work, dls_error *error) {
   return dlsi_auto_take_step(work, (step){PIVOTING, 0, 0}, error);
+}
+static dls_status take_path(dlsi_auto *work, dls_error *error) {
+  return dlsi_auto_take_step(work, (step){HOMOTOPY, 0, dlsi_auto_early_path}, error);
 }
 
 static int is_open(const dlsi_auto *work, const step *s) {
@@ -183,7 +186,7 @@ static int is_open(const dlsi_auto *work, const step *s) {
   if (dlsi_auto_is_left_out(work, s->part)) return 0;
   if (s->flags & FAR && dlsi_auto_is_near(work, work->info.certificate.residual)) return 0;
   if (kind->may && !kind->may(work)) return 0;
-  if (s->flags & EARLY && !dlsi_auto_may_pivot_early(work)) return 0;
+  if (s->flags & EARLY && !dlsi_auto_may_go_early(work, s->part)) return 0;
   return !(s->flags & COLD) || dlsi_auto_may_go_another_way(work);
 }
 
@@ -237,8 +240,9 @@ dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error)
   for (const step *s = plan; s->part != END; s++) {
     const part k = given ? part_of_given(work, s) : is_open(work, s) ? s->part : END;
     if (k == END) continue;
+    const dlsi_auto_run_fn early = k == HOMOTOPY ? take_path : take_pivots;
     dls_status status = given              ? take_given(work, s, k, error)
-                        : s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
+                        : s->flags & EARLY ? dlsi_auto_on_copy(work, early, error)
                                            : dlsi_auto_take_step(work, *s, error);
     if (status < 0) return status;
     const dls_status verdict = dlsi_auto_verdict_of(work);

@@ -10,7 +10,7 @@
  *                               tolerance, and the augmented Lagrangian sees r run away
  *   DLS_TO_ROUNDING         nothing is proved against a solution, up to dlsi_predicted_rows rows,
  *                           and Krawczyk's test (facts/prove.c) proves the best r, improved by its
- *                           Newton steps: only its rounding fails the certificate
+ *                           Newton steps, to 1e-4: only its rounding fails the certificate
  *   DLS_STALLED             else. Larger problems whose reactions run away may have a solution that
  *                           no step finds
  */
@@ -70,8 +70,8 @@ dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_stat
   if (dlsi_auto_has_plan(work)) return status; /* it says what is done */
   if (m > dlsi_predicted_rows || dlsi_first_not_finite(work->best, m) >= 0) return status;
   if (dlsi_contact_prove(problem, work->best, &proof, work->r, NULL)) return status; /* no memory */
-  if (proof.kind != DLS_PROVED || dls_contact_certify(problem, work->r, NULL, &now, NULL))
-    return status;
+  if (proof.kind != DLS_PROVED || !(proof.radius <= dlsi_auto_accurate)) return status;
+  if (dls_contact_certify(problem, work->r, NULL, &now, NULL)) return status;
   memcpy(work->best, work->r, m * sizeof *work->r);
   work->info.certificate = now;
   return dls_certificate_holds(&now, work->options.limits.tol) ? DLS_OK : DLS_TO_ROUNDING;

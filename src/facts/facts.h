@@ -35,10 +35,11 @@ enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);
 
-/* (SN6) Returns 1 if the error of r may be large although the residual is small; always 1 for few
- * rows, where the prediction costs little. For up to dlsi_predicted_rows rows. W: dense or by
- * blocks. w: weights of the certificate. Costs about one product with W. */
-int dlsi_may_hide_error(const dls_contact *problem, const double *w);
+/* (SN6) Returns 1 if the error of r may be large although the residual is small; always 1 where the
+ * prediction costs little: few rows, or a long solve, whose iterations and factorisations `info`
+ * has. For up to dlsi_predicted_rows rows. W: dense or by blocks. w: weights of the certificate.
+ * Costs about one product with W. */
+int dlsi_may_hide_error(const dls_contact *problem, const double *w, const dls_info *info);
 
 /* state (nc) := the states of the positions u, with u_n and |u_t| up to `close` taken as 0:
  * contacts that touch and do not slip stick, with or without a reaction. */

@@ -20,7 +20,8 @@
  *          (tr S)^2 / |S|^2 < max(12, m / 16), S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the
  *          weights of the certificate. For k equal eigenvalues and no others the left side is k;
  *          two bodies on soft springs have 12. The error of ordinary elastic bodies is 1 to 100
- *          times their residual
+ *          times their residual. And an answer that took so long that its prediction is at most a
+ *          twentieth of the work may hide an error, too
  *
  * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail:
  * states that change between r and r*, candidates on the border of two: then A holds on one side
@@ -43,6 +44,7 @@ static const double border =
 static const double within = 1000, small_u = 1e-5;               /* (SN4) */
 enum { prediction_turns = 3 };                                   /* (SN5) */
 static const double few_directions = 12, rows_of_direction = 16; /* (SN6) */
+static const double small_part = .05;                            /* of the work of a solve */
 
 typedef struct sensitivity_work {
   const dls_contact *problem;
@@ -179,10 +181,12 @@ static void add_block(size_t d, const double *inverse, int b, int c, const doubl
   }
 }
 
-int dlsi_may_hide_error(const dls_contact *problem, const double *w) {
+int dlsi_may_hide_error(const dls_contact *problem, const double *w, const dls_info *info) {
   const size_t d = (size_t)problem->d;
   const int nc = problem->nc;
-  if (d * (size_t)nc <= dlsi_predicted_of_blocks) return 1;
+  const double m = (double)d * nc;
+  const double spent = 2 * m * m * info->iterations + m * m * m / 3 * info->factorisations;
+  if (d * (size_t)nc <= dlsi_predicted_of_blocks || m * m * m <= small_part * spent) return 1;
   const dls_blocks *W = &problem->Wb;
   double inverse[2 * dlsi_predicted_rows], trace = 0, square = 0;
   for (int k = 0; k < 2 * nc; k++)
@@ -195,7 +199,7 @@ int dlsi_may_hide_error(const dls_contact *problem, const double *w) {
   for (int c = 0; c < nc && !problem->W.a; c++)
     for (int k = W->p[c]; k < W->p[c + 1]; k++)
       add_block(d, inverse, W->i[k], c, W->x + d * d * (size_t)k, d, &trace, &square);
-  return !(trace * trace >= fmax(few_directions, (double)d * nc / rows_of_direction) * square);
+  return !(trace * trace >= fmax(few_directions, m / rows_of_direction) * square);
 }
 
 /* Returns 0 where a pivot of the factors is the rounding of the largest one. */

@@ -117,7 +117,7 @@ static void solver_predict(const dls_solver *solver, const dls_contact *problem,
   if (!problem->W.a && m > dlsi_predicted_of_blocks) return;
   double *J = solver->room, *x = J + m * m, *u = x + m, *w = u + m;
   dlsi_certificate_weights(problem, w);
-  if (!dlsi_may_hide_error(problem, w)) return;
+  if (!dlsi_may_hide_error(problem, w, info)) return;
   dlsi_contact_multiply(problem, NULL, r, u, NULL);
   const double predicted = dlsi_predict_error(problem, r, u, w, J, x);
   info->error = predicted < 0 ? INFINITY : predicted; /* W does not determine r */
