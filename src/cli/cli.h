@@ -624,6 +624,9 @@ int forming_method(const char *name, dls_forming_settings *settings);
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);
 
+/* The callback of dls_forming_settings: ends a step after Ctrl-C, and shows nothing. */
+int stop_step(void *unused, const dls_progress *progress);
+
 /* Writes travel, position, pressure and shear of a step, a row for each node, and a blank row. */
 void write_pressures(FILE *data, const dls_forming_data *d);
 

@@ -93,6 +93,12 @@ int show_step(const dls_forming_data *data, int step) {
   return show_progress(NULL, &progress);
 }
 
+int stop_step(void *unused, const dls_progress *progress) {
+  (void)unused;
+  (void)progress;
+  return was_interrupted();
+}
+
 /* ---- files of a step ------------------------------------------------------------------------ */
 
 typedef struct outputs {
@@ -399,6 +405,7 @@ int command_forming(int argc, char **argv) {
   static const command forming = {options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
+  o.settings.progress = stop_step;
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);
   const int stop = take_options(argc, argv, &forming, &o);
   if (stop != GO_ON) return stop;

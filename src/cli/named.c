@@ -102,7 +102,10 @@ static dls_status walk_forming(const char *name, pick *k, problem *p, dls_error 
   dls_forming *forming;
   dls_forming_data d;
   dls_contact contact;
-  dls_status status = dls_forming_create(&forming, name, NULL, error);
+  dls_forming_settings settings;
+  dls_forming_settings_init(&settings);
+  settings.progress = stop_step;
+  dls_status status = dls_forming_create(&forming, name, &settings, error);
   if (status) return status;
   dls_forming_get(forming, &d);
   k->steps = d.steps;

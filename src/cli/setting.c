@@ -122,6 +122,7 @@ static dls_status run_forming_at(const scene *s, const setting *at, double limit
   dls_forming_data d;
   dls_forming_settings settings;
   dls_forming_settings_init(&settings);
+  settings.progress = stop_step;
   if (!forming_method(at->method ? at->method : "auto", &settings)) return DLS_E_ARGUMENT;
   settings.nx = at->nx;
   settings.ny = at->ny;

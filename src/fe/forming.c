@@ -216,6 +216,17 @@ static int forming_acceptable(dls_forming *f, double before, int grow) {
   return grow || forming_imbalance(f) <= before || forming_equilibrium(f) <= f->settings.tol;
 }
 
+/* Returns 1 if the caller's progress callback ends the step. */
+static int forming_is_cancelled(dls_forming *f) {
+  const dls_progress now = {.method = "forming",
+                            .stage = "",
+                            .iteration = f->step + 1,
+                            .max_iterations = f->settings.steps,
+                            .residual = f->data.equilibrium,
+                            .cpu_seconds = f->seconds + dlsi_forming_seconds() - f->begun};
+  return f->settings.progress && f->settings.progress(f->settings.progress_data, &now);
+}
+
 /* Runs the equilibrium loop.
  *   away: in and out, fraction of the travel of supports and reactions of springs still to go */
 static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *error) {
@@ -231,6 +242,7 @@ static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *e
     if (done && *away == 0) return DLS_OK;
     if (k == DLS_FORMING_MOST_STEPS) return DLS_STALLED;
     if (f->settings.cpu_seconds > 0 && dlsi_forming_left(f) <= 0) return DLS_TIME_LIMIT;
+    if (forming_is_cancelled(f)) return DLS_CANCELLED;
     const double before = forming_imbalance(f);
     const dls_status status = dlsi_forming_direction(f, error); /* (FO4) */
     if (status < 0) return status;

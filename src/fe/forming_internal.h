@@ -186,4 +186,9 @@ static inline double dlsi_forming_left(const dls_forming *f) {
   return f->settings.cpu_seconds - f->seconds - (dlsi_forming_seconds() - f->begun);
 }
 
+/* Returns 1 for a status after which nothing else is tried. */
+static inline int dlsi_forming_is_over(dls_status status) {
+  return status == DLS_TIME_LIMIT || status == DLS_CANCELLED;
+}
+
 #endif

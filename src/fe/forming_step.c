@@ -196,9 +196,9 @@ static dls_status step_try(dls_forming *f, double load, dls_error *error) { /* (
     step_hold(f);
     f->load = load;
     status = dlsi_forming_contact_loop(f, error);
-    if (f->way == last || status <= 0 || status == DLS_TIME_LIMIT) break;
+    if (f->way == last || status <= 0 || dlsi_forming_is_over(status)) break;
   }
-  if (status < 0 || status == DLS_TIME_LIMIT) return status;
+  if (status < 0 || dlsi_forming_is_over(status)) return status;
   if (status > 0) {
     dls_forming_fault *fault = &f->data.fault;
     if (f->inside_out >= 0)
@@ -263,7 +263,7 @@ static dls_status step_advance(dls_forming *f, double load, int halvings, dls_er
     else
       step_commit(f);
   }
-  if (status <= DLS_OK || status == DLS_TIME_LIMIT || halvings == most_halvings)
+  if (status <= DLS_OK || dlsi_forming_is_over(status) || halvings == most_halvings)
     return status; /* (FS4) */
   f->data.count.halvings++;
   f->part = 0;
@@ -284,7 +284,7 @@ static dls_status step_take(dls_forming *f, dls_error *error) {
     f->step = step;
   else
     step_restore(f);
-  if (status == DLS_TIME_LIMIT) f->data.fault = (dls_forming_fault){0};
+  if (dlsi_forming_is_over(status)) f->data.fault = (dls_forming_fault){0};
   dlsi_forming_move_tools(f);
   f->seconds += dlsi_forming_seconds() - f->begun;
   return status;

@@ -351,6 +351,45 @@ START_TEST(failed_step) {
 }
 END_TEST
 
+/* Cancels at its third call in a step. */
+static int cancel_third(void *calls, const dls_progress *progress) {
+  ck_assert_int_ge(progress->iteration, 1);
+  ck_assert_int_eq(progress->max_iterations, 100);
+  return ++*(int *)calls == 3;
+}
+
+/* A step that is cancelled in its middle: the state of the step before, no fault; the same step
+ * goes on to the bits of a twin that nobody has cancelled. */
+START_TEST(cancelled_in_a_step) {
+  for (int contact = DLS_FORMING_CONDENSED; contact <= DLS_FORMING_PENALTY; contact++) {
+    int calls = -100000;
+    dls_forming_settings s = init();
+    s.contact = (dls_forming_contact)contact;
+    s.method = DLS_AUTO;
+    dls_forming *twin = create_forming("indentation", &s);
+    s.progress = cancel_third;
+    s.progress_data = &calls;
+    dls_forming *f = create_forming("indentation", &s);
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+    ck_assert_int_gt(calls, -100000);
+    const double travel = get(f).travel, force = get(f).force;
+    calls = 0;
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_CANCELLED);
+    ck_assert_int_eq(calls, 3);
+    ck_assert_double_eq(get(f).travel, travel);
+    ck_assert_double_eq(get(f).force, force);
+    ck_assert_int_eq(get(f).fault.kind, DLS_FORMING_NO_FAULT);
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+    for (int k = 0; k < 2; k++)
+      ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
+    ck_assert_double_eq(get(f).travel, get(twin).travel);
+    ck_assert_double_eq(get(f).force, get(twin).force);
+    dls_forming_destroy(f);
+    dls_forming_destroy(twin);
+  }
+}
+END_TEST
+
 /* A limit that is over within the first step: its status, the state at rest, no fault; without the
  * limit the same scene goes on to the bits of its twin. */
 START_TEST(time_limit) {
@@ -523,5 +562,6 @@ int main(void) {
              ONCE(standard_elements_lock), EACH(energy, 0, 2), EACH(friction_energy, 0, 2),
              ONCE(update_as_printed), ONCE(quadratic_convergence),
              EACH(methods_agree, 0, 2 * method_count), EACH(newton_on_stiffness, 0, 3),
-             ONCE(failed_step), ONCE(time_limit), ONCE(bad_input), ONCE(without_memory), ONCE(vtu));
+             ONCE(failed_step), ONCE(cancelled_in_a_step), ONCE(time_limit), ONCE(bad_input),
+             ONCE(without_memory), ONCE(vtu));
 }
