@@ -325,9 +325,6 @@ START_TEST(weak_springs) {
     solids_stack(&T[soft], 2, 1, 2, .5);
     for (int k = 0; soft && k < 18; k++)
       solids_spring(&T[soft], k / 2, k % 2, 1e-8);
-    dlsi_columns *const old[] = {&T[soft].Kc, &T[soft].Nc, &T[soft].Tc};
-    for (int k = 0; k < 3; k++)
-      dlsi_columns_free(old[k]);
     A[soft] = answer_of(solids_model(&T[soft]), T[soft].f, T[soft].g, .3, 1e-10);
     expect_solved(&A[soft], &T[soft].model, T[soft].f, T[soft].g, 1e-9);
   }
@@ -376,9 +373,6 @@ START_TEST(springs_hold) {
   solids_stack(&T, 3, 3, 2, 1.1);
   for (int j = 0; j < T.model.n; j++)
     solids_spring(&T, j / 3, j % 3, k);
-  dlsi_columns *const old[] = {&T.Kc, &T.Nc, &T.Tc};
-  for (int j = 0; j < 3; j++)
-    dlsi_columns_free(old[j]);
   answer A = answer_of(solids_model(&T), T.f, T.g, .3, 1e-8);
   const int solved = A.status == DLS_OK || A.status == DLS_TO_ROUNDING;
   double x = 0;
