@@ -41,29 +41,31 @@ typedef enum dls_forming_way {
 /* Settings: call dls_forming_settings_init, then change fields. NULL settings are the defaults,
  * which stand last in each comment. */
 typedef struct dls_forming_settings {
-  size_t size;              /* set by init; settings without it are refused */
-  int nx, ny;               /* elements along x and y; 0: the scene's own; 0 */
-  int steps;                /* equal steps of the whole travel; 0: the scene's own; 0 */
-  double mu;                /* friction; < 0: the scene's own; -1 */
-  int clamped;              /* indentation: the bottom sticks to its support; 0 */
-  int standard;             /* 1: standard elements instead of Q4/P0, to see locking; 0 */
-  int keep_trace;           /* update (13) as printed instead of det be = 1; 0 */
-  double ram_mu;            /* extrusion: friction at the ram; >= 0; 0 */
-  double penalty;           /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
+  size_t size;        /* set by init; settings without it are refused */
+  int nx, ny;         /* elements along x and y; 0: the scene's own; 0 */
+  int steps;          /* equal steps of the whole travel; 0: the scene's own; 0 */
+  double mu;          /* friction; < 0: the scene's own; -1 */
+  int clamped;        /* indentation: the bottom sticks to its support; 0 */
+  int standard;       /* 1: standard elements instead of Q4/P0, to see locking; 0 */
+  int keep_trace;     /* update (13) as printed instead of det be = 1; 0 */
+  double ram_mu;      /* extrusion: friction at the ram; >= 0; 0 */
+  double penalty;     /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
                                   penalty method; 0 */
-  int augmentations;        /* largest number of updates of the multipliers in a step; 0: the limit
+  int augmentations;  /* largest number of updates of the multipliers in a step; 0: the limit
                                   of the contact loop; 0 */
-  double relaxation;        /* Gauss-Seidel: see primal.h; 1 */
-  int aitken;               /* Gauss-Seidel: see primal.h; 1 */
-  double tol;               /* on equilibrium and certificate; > 0; 1e-9 */
-  double step_tol;          /* on the error of a step, below; < 1; 0: not estimated; 0 */
-  double cpu_seconds;       /* > 0: of the process in all steps together, then DLS_TIME_LIMIT;
+  double relaxation;  /* Gauss-Seidel: see primal.h; 1 */
+  int aitken;         /* Gauss-Seidel: see primal.h; 1 */
+  double tol;         /* on equilibrium and certificate; > 0; 1e-9 */
+  double step_tol;    /* on the error of a step, below; < 1; 0: not estimated; 0 */
+  double cpu_seconds; /* > 0: of the process in all steps together, then DLS_TIME_LIMIT;
                                   0: no limit; 0 */
-  dls_progress_fn progress; /* called before each Newton step with the step of the scene and the
-                               error of equilibrium; not 0 ends: DLS_CANCELLED; NULL */
-  void *progress_data;      /* NULL */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
   dls_method method; /* of the condensed problem; DLS_LEMKE. DLS_AUTO: on K itself first */
+
+  /* Called before each Newton step with the step of the scene and the error of equilibrium; another
+   * value than 0 ends the step: DLS_CANCELLED; NULL, NULL */
+  dls_progress_fn progress;
+  void *progress_data;
 } dls_forming_settings;
 
 /* Sets each field to its default. */
@@ -105,9 +107,9 @@ DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char
  *   DLS_E_ARGUMENT  all steps are done
  *   DLS_E_MEMORY    a step allocates, for the reduction
  *
- * After DLS_FOLDED and DLS_STALLED data.fault says where and why. After these,
- * DLS_TIME_LIMIT and DLS_CANCELLED the state is the last good one, somewhere within the step; the
- * next call tries again. */
+ * After DLS_FOLDED and DLS_STALLED data.fault says where and why. After these, DLS_TIME_LIMIT and
+ * DLS_CANCELLED the state is the last good one, somewhere within the step; the next call tries
+ * again. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
 /* Frees the scene; NULL is fine. */

@@ -45,16 +45,16 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   return DLS_OK;
 }
 
-static dls_status follow_and_judge(dlsi_auto *work, dls_error *error) {
+static dls_status follow_and_judge(dlsi_auto *work, const step *plan, dls_error *error) {
   work->has_copy = 1;
   work->failures = dlsi_auto_most_failures;
-  const dls_status status = dlsi_auto_follow(work, dlsi_auto_plan_on_copy, error);
+  const dls_status status = dlsi_auto_follow(work, plan, error);
   return status == DLS_STALLED ? dlsi_auto_judge(work, error) : status;
 }
 
 /* (AT4) up to 300 rows. Returns as dlsi_auto_follow. */
 static dls_status take_copy(dlsi_auto *work, dls_error *error) {
-  dls_status status = dlsi_auto_on_copy(work, follow_and_judge, error);
+  dls_status status = dlsi_auto_on_copy(work, follow_and_judge, dlsi_auto_plan_on_copy, error);
   if ((status != DLS_OK && status != DLS_TO_ROUNDING) || dlsi_auto_verdict_of(work) != DLS_STALLED)
     return status == DLS_OK ? dlsi_auto_verdict_of(work) : status;
   /* sums in another order round otherwise */

@@ -261,13 +261,14 @@ void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u
 
 /* ---- canonical.c, apart.c: another problem in the place of the caller's ---------------------- */
 
-typedef dls_status (*dlsi_auto_run_fn)(dlsi_auto *work, dls_error *error);
+typedef dls_status (*dlsi_auto_run_fn)(dlsi_auto *work, const step *plan, dls_error *error);
 typedef dls_status (*dlsi_auto_solve_fn)(dlsi_auto *work, const dls_contact *problem,
                                          dls_error *error);
 
 /* Runs from r = 0 on a copy of the problem; the best r is that of the problem afterwards. Returns
  * what holds of the problem. */
-dls_status dlsi_auto_on_copy(dlsi_auto *work, dlsi_auto_run_fn run, dls_error *error);
+dls_status dlsi_auto_on_copy(dlsi_auto *work, dlsi_auto_run_fn run, const step *plan,
+                             dls_error *error);
 
 /* *list := the candidates of a problem that may touch, ascending, where W is dense and at least two
  * in five of the candidates provably cannot; the caller frees it. Returns how many; 0, *list NULL,

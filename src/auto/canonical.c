@@ -66,10 +66,11 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   return status;
 }
 
-dls_status dlsi_auto_on_copy(dlsi_auto *work, dlsi_auto_run_fn run, dls_error *error) {
+dls_status dlsi_auto_on_copy(dlsi_auto *work, dlsi_auto_run_fn run, const step *plan,
+                             dls_error *error) {
   const dls_contact *problem = work->problem;
   const dls_certificate kept = enter_copy(work);
-  const dls_status status = run(work, error);
+  const dls_status status = run(work, plan, error);
   if (status < 0) return status;
   if (work->has_copy) take_back_vectors(work, status);
   return leave_copy(work, problem, &kept, status);

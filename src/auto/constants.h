@@ -74,7 +74,6 @@ static const double dlsi_auto_share_left = .6;    /* of the contacts: with more,
 static const double dlsi_auto_forgotten = .98;    /* of the cost expected, a solve without (SQ2) */
 static const double dlsi_auto_firm = 1e4;         /* friction: larger ones are this on a copy */
 static const double dlsi_auto_accurate = 1e-4;    /* relative error of r that needs no word */
-static const double dlsi_auto_look_part = .05;    /* of a solve, for the look at other answers */
 static const double dlsi_auto_another = 1e-3;     /* difference of two answers, of the largest r */
 static const double dlsi_auto_runs_away = 1e-10;  /* |D^-1 W delta| of |delta|: W delta is 0 */
 

@@ -13,14 +13,10 @@ enum { few_normals = 6 }; /* whose factorisation is below the cost of a call */
 static double *room_of_normals(dlsi_auto *work) {
   const size_t n = (size_t)work->problem->nc;
   const double m = (double)n * work->problem->d, cost = (double)n * (double)n * (double)n / 3;
-  double spent = 0;
   for (size_t c = 0; c < n; c++)
     if (work->problem->mu[c] > 0) return NULL;
-  for (int k = 0; k < work->info.stages; k++)
-    spent += 2 * m * m * work->info.stage[k].iterations +
-             m * m * m / 3 * work->info.stage[k].factorisations;
-  if (work->options.limits.warm_start || (n > few_normals && cost > dlsi_auto_look_part * spent))
-    return NULL;
+  if (work->options.limits.warm_start) return NULL;
+  if (n > few_normals && !dlsi_is_small_part(cost, &work->info, m)) return NULL;
   if (work->options.lazy && dlsi_room_dense(&work->room, n, NULL)) return NULL;
   if (work->room.side < n) return NULL;
   work->room.owner = work;

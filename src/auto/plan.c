@@ -28,10 +28,11 @@ const step_kind dlsi_auto_kind[parts] = {
 };
 
 /* Elastic bodies. */
-static const step elastic[] = {{SWEEPS, 0, 0},    {REST, 0, 0},         {SPLITTING, 0, 0},
-                               {NEWTON, 0, 0},    {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, 0},
-                               {SPLITTING, 0, 0}, {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-                               {END, 0, 0}};
+static const step elastic[] = {{SWEEPS, 0, 0},       {REST, 0, 0},
+                               {SPLITTING, 0, 0},    {NEWTON, 0, 0},
+                               {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, dlsi_auto_early_path},
+                               {SPLITTING, 0, 0},    {SWEEPS, 0, 0},
+                               {NEWTON, 0, 0},       {END, 0, 0}};
 
 /* Few contacts of many bodies: sweeps mostly come in. Where they do not, momentum from r = 0 does,
  * or pivots, cheap in 2D; Newton's method seldom. */
@@ -41,7 +42,7 @@ static const step few[] = {{SWEEPS, 0, 0},
                            {PUSH, COLD, dlsi_auto_few_pushes},
                            {NEWTON, 0, 0},
                            {PIVOTING, EARLY, 0},
-                           {HOMOTOPY, EARLY, 0},
+                           {HOMOTOPY, EARLY, dlsi_auto_early_path},
                            {NEWTON, 0, 0},
                            {PUSH, 0, dlsi_auto_long_pushes},
                            {NEWTON, 0, 0},

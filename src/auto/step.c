@@ -173,12 +173,9 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
 
 /* ---- a plan ---------------------------------------------------------------------------------- */
 
-/* Steps EARLY: paths of pivots depend on the order of the contacts. */
-static dls_status take_pivots(dlsi_auto *work, dls_error *error) {
-  return dlsi_auto_take_step(work, (step){PIVOTING, 0, 0}, error);
-}
-static dls_status take_path(dlsi_auto *work, dls_error *error) {
-  return dlsi_auto_take_step(work, (step){HOMOTOPY, 0, dlsi_auto_early_path}, error);
+/* A step EARLY, on the copy: paths of pivots depend on the order of the contacts. */
+static dls_status take_first(dlsi_auto *work, const step *plan, dls_error *error) {
+  return dlsi_auto_take_step(work, plan[0], error);
 }
 
 static int is_open(const dlsi_auto *work, const step *s) {
@@ -240,9 +237,8 @@ dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error)
   for (const step *s = plan; s->part != END; s++) {
     const part k = given ? part_of_given(work, s) : is_open(work, s) ? s->part : END;
     if (k == END) continue;
-    const dlsi_auto_run_fn early = k == HOMOTOPY ? take_path : take_pivots;
     dls_status status = given              ? take_given(work, s, k, error)
-                        : s->flags & EARLY ? dlsi_auto_on_copy(work, early, error)
+                        : s->flags & EARLY ? dlsi_auto_on_copy(work, take_first, s, error)
                                            : dlsi_auto_take_step(work, *s, error);
     if (status < 0) return status;
     const dls_status verdict = dlsi_auto_verdict_of(work);

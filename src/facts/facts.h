@@ -35,6 +35,10 @@ enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);
 
+/* Returns 1 if `cost` multiplications are at most a twentieth of what the iterations and
+ * factorisations of a solve with m rows took. */
+int dlsi_is_small_part(double cost, const dls_info *info, double m);
+
 /* (SN6) Returns 1 if the error of r may be large although the residual is small; always 1 where the
  * prediction costs little: few rows, or a long solve, whose iterations and factorisations `info`
  * has. For up to dlsi_predicted_rows rows. W: dense or by blocks. w: weights of the certificate.

@@ -156,7 +156,8 @@ static double prove_contraction(dlsi_prove *work) {
       least = fmax(least, work->g[k] / work->s[c]);
     }
   const double first = 2 * least + DBL_MIN, last = 200 * first;
-  for (double delta = first; delta <= last && last <= DBL_MAX; delta *= 10) {
+  if (!(last <= DBL_MAX)) return 0;
+  for (double delta = first; delta <= last; delta *= 10) {
     double *y = work->v, holds = 1;
     if (!dlsi_prove_slopes(work, delta)) return 0;
     prove_solve(work, theta, work->B, y);

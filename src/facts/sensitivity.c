@@ -181,12 +181,17 @@ static void add_block(size_t d, const double *inverse, int b, int c, const doubl
   }
 }
 
+int dlsi_is_small_part(double cost, const dls_info *info, double m) {
+  const double spent = 2 * m * m * info->iterations + m * m * m / 3 * info->factorisations;
+  return cost <= small_part * spent;
+}
+
 int dlsi_may_hide_error(const dls_contact *problem, const double *w, const dls_info *info) {
   const size_t d = (size_t)problem->d;
   const int nc = problem->nc;
   const double m = (double)d * nc;
-  const double spent = 2 * m * m * info->iterations + m * m * m / 3 * info->factorisations;
-  if (d * (size_t)nc <= dlsi_predicted_of_blocks || m * m * m <= small_part * spent) return 1;
+  if (d * (size_t)nc <= dlsi_predicted_of_blocks) return 1;
+  if (dlsi_is_small_part(m * m * m, info, m)) return 1;
   const dls_blocks *W = &problem->Wb;
   double inverse[2 * dlsi_predicted_rows], trace = 0, square = 0;
   for (int k = 0; k < 2 * nc; k++)

@@ -217,14 +217,15 @@ static int forming_acceptable(dls_forming *f, double before, int grow) {
 }
 
 /* Returns 1 if the caller's progress callback ends the step. */
-static int forming_is_cancelled(dls_forming *f) {
+static int forming_is_cancelled(const dls_forming *f) {
+  if (!f->settings.progress) return 0;
   const dls_progress now = {.method = "forming",
                             .stage = "",
                             .iteration = f->step + 1,
                             .max_iterations = f->settings.steps,
                             .residual = f->data.equilibrium,
                             .cpu_seconds = f->seconds + dlsi_forming_seconds() - f->begun};
-  return f->settings.progress && f->settings.progress(f->settings.progress_data, &now);
+  return f->settings.progress(f->settings.progress_data, &now);
 }
 
 /* Runs the equilibrium loop.
