@@ -161,7 +161,7 @@ help:
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
 	@echo 'make bench-lemke     Lemke beside Siconos; BENCH=--full, BENCH=--large'
-	@echo 'make bench-scale     rigid bodies up to 100,000 contacts beside Siconos; BENCH=options'
+	@echo 'make bench-scale     rigid bodies of 300 to 20,000 contacts beside Siconos; BENCH=options'
 	@echo 'make bench-global    contact over whole surfaces on K beside W and CHOLMOD; BENCH="--table NAME"'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-regret    auto beside the best of its methods and Siconos on generated problems; BENCH=options'
@@ -179,7 +179,7 @@ help:
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make bench-tables    both forming scenes of Chabrand (1998) by each method, beside the paper'
 	@echo 'make bench-report    the setting that delassus report advises beside a finer reference'
-	@echo 'make bench-all       all of these; hours on an idle machine; FCLIB=DIR'
+	@echo 'make bench-all       all of these; hours on an idle machine; FCLIB=DIR LCP=DIR'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
 
@@ -532,14 +532,22 @@ $(BUILD)/bench/%:
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
 .PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion bench-global
-bench-lemke bench-solvers bench-reduction bench-scale bench-global: bench-%:
+bench-lemke bench-solvers bench-reduction bench-global: bench-%:
 	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/$* --out $(RESULTS) $(BENCH)
 	$(if $(filter --large,$(BENCH)),,gnuplot -e "dir='$(RESULTS)/'" bench/$*.gp)
+# without BENCH the page of all its tables
+bench-scale:
+	@$(DEPS) bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/scale
+	$(if $(BENCH),OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/scale --out $(RESULTS) $(BENCH),bench/scale.sh $(BUILD) $(RESULTS))
+	gnuplot -e "dir='$(RESULTS)/'" bench/scale.gp
 # these need nothing but the library
+FCLIB ?= data/fclib
+AUTO_PROBLEMS = $(FCLIB)/*.hdf5 plane-200 plane-500 contact-6 contact-10 contact-16 contact-22
 bench-auto: $(BUILD)/bench/auto
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),data/fclib/*.hdf5)
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),$(AUTO_PROBLEMS))
 bench-motion:
 	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/motion
@@ -563,7 +571,6 @@ bench-dynamics: $(BUILD)/bench/dynamics
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/dynamics --out $(RESULTS) $(BENCH)
 .PHONY: bench-dynamics
 .PHONY: bench-trust bench-derive bench-prove bench-least bench-steps bench-regret bench-report
-FCLIB ?= data/fclib
 bench-prove: $(BUILD)/bench/prove $(PROGRAM)
 	@mkdir -p $(BUILD)/jean
 	for scene in jean-fig3 jean-fig4; do for mesh in 8x4 16x8 32x16 64x32 128x64; do \
@@ -598,15 +605,9 @@ bench-tables: $(PROGRAM)
 
 # every page that a program writes, one after the other on this machine, which should be idle; hours
 .PHONY: bench-all
-BENCH_ALL = auto blocks derive dynamics global hard least lemke motion papers prove report scale steps tables trust
+LCP ?= data/lcp
 bench-all:
-	@for name in $(BENCH_ALL); do $(MAKE) --no-print-directory bench-$$name || exit 1; done
-	@$(MAKE) --no-print-directory bench-auto BENCH=--price
-	@$(MAKE) --no-print-directory bench-bodies BENCH='--rounds 7'
-	@$(MAKE) --no-print-directory bench-lanes BENCH='--rounds 4'
-	@$(MAKE) --no-print-directory bench-reduction BENCH=--full
-	@$(MAKE) --no-print-directory bench-regret BENCH='--seed 2'
-	@$(MAKE) --no-print-directory bench-solvers BENCH='--dir $(FCLIB)'
+	@BUILD='$(BUILD)' bench/all.sh $(FCLIB) $(LCP)
 
 # ---- demo, install ------------------------------------------------------------------------------
 

@@ -184,7 +184,7 @@ static void compare_methods(const dls_contact *p, double tol, result *all) {
 }
 
 static void print_head(FILE *page) {
-  bench_print(page, "CPU of the solve, ms.\n\n| problem | candidates | tol |");
+  bench_print(page, "CPU of the solve, ms; -: not solved.\n\n| problem | candidates | tol |");
   for (int k = 0; k < methods; k++)
     bench_print(page, " %s |", method_name[k]);
   bench_print(page, " stages of auto |\n|---|---|---|---|---|---|---|---|---|---|\n");
@@ -207,8 +207,10 @@ static void print_row(FILE *page, const char *name, const dls_contact *p, double
 }
 
 static void print_summary_head(FILE *page) {
-  bench_print(page, "\n| tol | method | solved | CPU / best other, median | largest |\n"
-                    "|---|---|---|---|---|\n");
+  bench_print(page,
+              "\nCPU over that of the fastest other single method that solves the problem.\n\n"
+              "| tol | method | solved | median | largest |\n"
+              "|---|---|---|---|---|\n");
 }
 
 /* Prints for each method how many problems it solved, and its CPU over that of the best other one.

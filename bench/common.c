@@ -121,19 +121,27 @@ static void print_date(FILE *page) {
   if (git) pclose(git);
 }
 
+/* Appends an argument to the command of a page: FCLIB files, and folders of this machine, by a
+ * word. */
+static void append_argument(char *options, size_t size, const char *argument) {
+  const size_t used = strlen(options), length = strlen(argument);
+  const int file = length > 5 && strcmp(argument + length - 5, ".hdf5") == 0;
+  if (file && used >= 5 && strcmp(options + used - 5, "FILES") == 0) return;
+  const char *text = file ? "FILES" : *argument == '/' ? "DIR" : argument;
+  snprintf(options + used, size - used, "%s%s", used ? " " : "", text);
+}
+
 FILE *bench_page(const char *directory, const char *name, const char *title, int argc,
                  char *const *argv) {
   char file[64], options[1024] = "";
   snprintf(file, sizeof file, "%s.md", name);
   FILE *page = bench_open(directory, file);
   if (!page) return NULL;
-  for (int k = 1; k < argc; k++) {
-    const size_t used = strlen(options);
+  for (int k = 1; k < argc; k++)
     if (strcmp(argv[k], "--out") == 0)
       k++;
     else
-      snprintf(options + used, sizeof options - used, "%s%s", used ? " " : "", argv[k]);
-  }
+      append_argument(options, sizeof options, argv[k]);
   const char *slash = strrchr(argv[0], '/');
   fprintf(page, "# %s\n\nWritten by `make bench-%s", title, slash ? slash + 1 : argv[0]);
   if (*options) fprintf(page, " BENCH='%s'", options);

@@ -5,7 +5,8 @@
  *   lemke [--max N] [--full] [--lcp DIR] [--out DIR]   the comparison: lemke.csv, lemke.md
  *   lemke --large [--out DIR]                          n = 9999, delassus alone: lemke_large.*
  *
- * --full: the peer runs beyond n = 2100, too. --lcp: also every pair DIR/NAME_M.mtx, NAME_q.mtx.
+ * --full: the peer runs beyond n = 2100, too. --lcp: the pairs DIR/NAME_M.mtx, NAME_q.mtx
+ * in place of those of data/lcp.
  *
  * Every measurement runs in a child process: a crash or a run without end costs only that
  * measurement. The first call is not counted, unless it takes more than a second. Then calls are
@@ -407,7 +408,7 @@ static int run_large(int nc, const output *to) {
 /* ---- program --------------------------------------------------------------------------------- */
 
 int main(int argc, char **argv) {
-  const char *out = "bench/results", *directory = NULL;
+  const char *out = "bench/results", *directory = "data/lcp";
   int max = 4000, full = 0, one = 0;
   for (int k = 1; k < argc; k++) {
     const int more = k + 1 < argc;
@@ -437,8 +438,7 @@ int main(int argc, char **argv) {
     status = run_large(3333, &to);
   else {
     write_heads(&to);
-    status |= compare_directory("data/lcp", max, &to);
-    if (directory) status |= compare_directory(directory, max, &to);
+    status |= compare_directory(directory, max, &to);
     status |= compare_generated(max, full, &to);
     bench_print(to.page, "\n![CPU time against n](lemke.svg)\n");
   }

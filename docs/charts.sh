@@ -52,7 +52,7 @@ p=$work/problems
 "$build/bench/hard" --save "$p" || exit 2
 "$build/delassus" scene indentation --method lemke --save "$p/indentation-step.hdf5" >/dev/null || exit 2
 
-draw profile 0.1 profile -r 6 -b 1 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
+draw profile 1 profile -r 6 -b 1 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
 draw chart-jean 1 chart jean-fig3
 draw chart-wall 1 chart "$p/wall-6x5-push0.3-mu1.hdf5"
 draw chart-cube 1 chart "$p/h8-12-tilt-mu0.3.hdf5"
