@@ -289,7 +289,9 @@ check: deps
 	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install check-links check-docs QUICK=--quick
 
 .PHONY: check-build
-TESTED = all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
+# the benchmarks that need nothing but the library; those beside others are in PEER_BENCHES
+BENCHES = auto blocks bodies derive dynamics hard lanes least papers problems prove report steps trust
+TESTED = all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
 check-build: $(TESTED)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
 
@@ -297,7 +299,7 @@ check-build: $(TESTED)
 .PHONY: check-plain
 PLAIN_ROOMS = files linear reduction cli catalogue
 check-plain:
-	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP= ROOMS='$(PLAIN_ROOMS)'
+	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP= ROOMS='$(PLAIN_ROOMS)' BENCHES=
 
 # tests and examples in other languages alone
 .PHONY: check-languages
@@ -383,10 +385,11 @@ check-cross:
 # what no check on each change has the time for: builds with other options, flags and compilers, for other
 # processors; MPI; sanitizers; ten minutes of fuzz for each target. Hours. The first failure ends it, and is named
 .PHONY: check-all
-CHECK_ALL = check 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
+PEER_BENCHES = global lemke motion reduction regret scale solvers
+CHECK_ALL = check '$(addprefix $(BUILD)/bench/,$(PEER_BENCHES))' 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
   'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian check-docs
 check-all:
-	@$(DEPS) checks debian languages mpi pictures
+	@$(DEPS) bench checks debian languages mpi pictures
 	@for part in $(CHECK_ALL); do echo "check-all: make $$part"; \
 	  $(MAKE) --no-print-directory $$part || { echo "check-all: FAILED: make $$part"; exit 1; }; done; \
 	  echo 'check-all: every part passed'
@@ -603,11 +606,13 @@ bench-report: $(BUILD)/bench/report
 bench-tables: $(PROGRAM)
 	bench/tables.sh $(BUILD) $(RESULTS)
 
-# every page that a program writes, one after the other on this machine, which should be idle; hours
+# every page that a program writes, on this machine, which should be idle; hours; JOBS=2: two pages at a time
 .PHONY: bench-all
 LCP ?= data/lcp
 bench-all:
-	@BUILD='$(BUILD)' bench/all.sh $(FCLIB) $(LCP)
+	@$(DEPS) bench
+	@$(MAKE) --no-print-directory demo $(addprefix $(BUILD)/bench/,$(BENCHES) $(PEER_BENCHES))
+	@BUILD='$(BUILD)' bench/all.sh '$(FCLIB)' '$(LCP)'
 
 # ---- demo, install ------------------------------------------------------------------------------
 

@@ -1,51 +1,53 @@
 #!/bin/sh
-# all.sh FCLIB LCP: every page that a program of bench/ writes, one after the other; hours on a machine that should do nothing
-# else. FCLIB, LCP: folders with problems. Prints the minutes of each page, the log is BUILD/bench/NAME.log. Goes on where
-# a page fails, and fails at the end.
+# all.sh FCLIB LCP: every page that a program of bench/ writes, with the minutes of each; hours on a machine that should do
+# nothing else. FCLIB, LCP: folders with problems. JOBS=2: two pages at a time, of two cores. The log of a page is
+# BUILD/bench/NAME.log. Goes on where a page fails, and fails at the end.
+# all.sh page NAME [OPTION..]: one of them
 set -u
-fclib=$1
-lcp=$2
 build=${BUILD:-build}
 make=${MAKE:-make}
-failed=
-mkdir -p "$build/bench"
 
-# page NAME [OPTION..]: make bench-NAME BENCH='OPTION..'
-page() {
-  name=$1
-  shift
+if [ "$1" = page ]; then
+  name=$2
+  shift 2
   start=$(date +%s)
-  if $make --no-print-directory "bench-$name" FCLIB="$fclib" BENCH="$*" >"$build/bench/$name.log" 2>&1; then
-    end=
-  else
-    end=', failed'
-    failed="$failed $name"
-  fi
-  echo "bench-$name $*: $((($(date +%s) - start + 30) / 60)) min$end"
-}
+  $make --no-print-directory "bench-$name" BENCH="$*" >>"$build/bench/$name.log" 2>&1
+  status=$?
+  [ $status -eq 0 ] || echo "bench-$name $*: failed"
+  echo "bench-$name $*: $((($(date +%s) - start + 30) / 60)) min"
+  exit $status
+fi
 
-page hard
-page report
-page papers
-page tables
-page trust
-page derive
-page least
-page prove
-page auto
-page auto --price
-page blocks
-page bodies --rounds 7
-page lanes --rounds 4
-page motion
-page steps
-page dynamics
-page lemke --full --lcp "$lcp"
-page lemke --large
-page reduction --full
-page reduction --large
-page regret --seed 2
-page solvers --dir "$fclib"
-page scale
-page global
-[ -z "$failed" ] || { echo "failed:$failed" >&2; exit 1; }
+fclib=$1
+lcp=$2
+export FCLIB="$fclib"
+mkdir -p "$build/bench"
+rm -f "$build"/bench/*.log
+status=0
+xargs -L 1 -P "${JOBS:-1}" "$0" page <<END || status=1
+report
+hard
+global
+scale
+solvers --dir $fclib
+regret --seed 2
+reduction --full
+reduction --large
+papers
+tables
+prove
+lemke --full --lcp $lcp
+lemke --large
+auto
+auto --price
+lanes --rounds 4
+dynamics
+motion
+trust
+derive
+least
+blocks
+steps
+END
+"$0" page bodies --rounds 7 || status=1 # alone, on two threads
+exit $status

@@ -141,16 +141,14 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
     sum->missed += b[k].met && wrong > accuracies[k];
     sum->cheap += b[k].met && take->got.seconds <= 2 * least;
     bench_print(to, "| %s | %g | %s%s | %.2g | %s | %.2g |", name, accuracies[k],
-                b[k].met ? "" : "not decided: ", setting_words(&s, &take->at, words, sizeof words),
-                wrong,
+                b[k].met ? "" : "not decided: ", setting_text(&s, &take->at, 0, words), wrong,
                 mesh == 4   ? "4"
                 : mesh == 2 ? "2"
                             : "-",
                 take->got.seconds);
     if (isfinite(least))
-      bench_print(to, " %s, %.2g s | %.2g | %.2g |\n",
-                  setting_words(&s, &cheap, other, sizeof other), least, take->got.seconds / least,
-                  b[k].error);
+      bench_print(to, " %s, %.2g s | %.2g | %.2g |\n", setting_text(&s, &cheap, 0, other), least,
+                  take->got.seconds / least, b[k].error);
     else
       bench_print(to, " none up to twice this CPU | | %.2g |\n", b[k].error);
     (void)fflush(to);

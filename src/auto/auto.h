@@ -30,10 +30,11 @@ typedef enum part {
 
 /* A step of a plan. */
 typedef enum step_flags {
-  COLD = 1,      /* from r = 0, whatever was found before */
-  EARLY = 2,     /* on a copy of its own, and only if that is cheap for so few contacts */
-  FAR = 4,       /* only far from the answer */
-  ANY_SWEEPS = 8 /* SWEEPS, or PUSH where those are not open */
+  COLD = 1,       /* from r = 0, whatever was found before */
+  EARLY = 2,      /* on a copy of its own, and only if that is cheap for so few contacts */
+  FAR = 4,        /* only far from the answer */
+  SORTED = 8,     /* only where most states are those of the answer: e <= dlsi_auto_unsorted */
+  ANY_SWEEPS = 16 /* SWEEPS, or PUSH where those are not open */
 } step_flags;
 
 typedef struct step {

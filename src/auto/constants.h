@@ -36,11 +36,13 @@ enum {
   dlsi_auto_splits          = 200, /* ADMM, before Newton again or pivots: more cost more */
   dlsi_auto_cold_splits     = 2000,/* ADMM from r = 0 */
   dlsi_auto_settle_splits   = 20000,/* ADMM near an answer, up to 300 rows: a second or two */
+  dlsi_auto_short_settle    = 2000,/* ... before many paths: hundredths of a second */
   dlsi_auto_few_pushes      = 200, /* momentum, few contacts: before pivots */
   dlsi_auto_long_pushes     = 2000,/* momentum: before pivots, the augmented Lagrangian, ... */
   dlsi_auto_short_pushes    = 500, /* ... and after Newton */
   dlsi_auto_all_pushes      = 1000000,/* momentum, packings: it ends by itself */
   dlsi_auto_early_path      = 20,  /* homotopy, d = 3, few contacts: its answers mostly take less */
+  dlsi_auto_short_path      = 100, /* homotopy, before an r near its end is improved */
   dlsi_auto_most_failures   = 5    /* failures that count: each doubles patience; a copy
                                       begins with so many */
 };

@@ -86,12 +86,21 @@ static const step flat_tight[] = {{PUSH, 0, dlsi_auto_long_pushes},
                                   {END, 0, 0}};
 
 /* What the first plan leaves, up to 300 rows. Pivots prove that there is no solution, or end it;
- * the rest searches. The augmented Lagrangian tells at last of reactions that run away. */
-const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0, 0},       {NEWTON, 0, 0},
-                                       {PIVOTING, 0, 0},     {HOMOTOPY, COLD, 0},
-                                       {SCATTER, 0, 0},      {COLD_SPLITTING, COLD, 0},
-                                       {NEWTON, 0, 0},       {SETTLE, 0, 0},
-                                       {AUGMENTED, COLD, 0}, {END, 0, 0}};
+ * the rest searches. Beside a short path the augmented Lagrangian and ADMM improve its r, before
+ * many paths are followed. The augmented Lagrangian tells at last of reactions that run away. */
+const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0, 0},
+                                       {NEWTON, 0, 0},
+                                       {PIVOTING, 0, 0},
+                                       {HOMOTOPY, COLD, dlsi_auto_short_path},
+                                       {AUGMENTED, SORTED, 0},
+                                       {SETTLE, 0, dlsi_auto_short_settle},
+                                       {HOMOTOPY, COLD, 0},
+                                       {SCATTER, 0, 0},
+                                       {COLD_SPLITTING, COLD, 0},
+                                       {NEWTON, 0, 0},
+                                       {SETTLE, 0, 0},
+                                       {AUGMENTED, COLD, 0},
+                                       {END, 0, 0}};
 
 /* ... and beyond. */
 const step dlsi_auto_plan_beyond[] = {

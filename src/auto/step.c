@@ -182,6 +182,7 @@ static int is_open(const dlsi_auto *work, const step *s) {
   const step_kind *kind = &dlsi_auto_kind[s->part];
   if (dlsi_auto_is_left_out(work, s->part)) return 0;
   if (s->flags & FAR && dlsi_auto_is_near(work, work->info.certificate.residual)) return 0;
+  if (s->flags & SORTED && work->info.certificate.residual > dlsi_auto_unsorted) return 0;
   if (kind->may && !kind->may(work)) return 0;
   if (s->flags & EARLY && !dlsi_auto_may_go_early(work, s->part)) return 0;
   return !(s->flags & COLD) || dlsi_auto_may_go_another_way(work);

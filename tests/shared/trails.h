@@ -27,7 +27,7 @@ dls_contact trails_disturbed(const dls_contact *p, double *storage[2], unsigned 
 /* ---- runs (trails_runs.c) -------------------------------------------------------------------- */
 
 enum { trails_runs = 15 }; /* of the methods, of a batch, of LCPs */
-enum { trails_counts = 400, trails_sums = 120, trails_solves = 24 };
+enum { trails_counts = 600, trails_sums = 120, trails_solves = 24 };
 
 typedef struct trail {
   int counts, sums, solves, calls;
