@@ -611,7 +611,7 @@ bench-tables: $(PROGRAM)
 LCP ?= data/lcp
 bench-all:
 	@$(DEPS) bench
-	@$(MAKE) --no-print-directory demo $(addprefix $(BUILD)/bench/,$(BENCHES) $(PEER_BENCHES))
+	@$(MAKE) --no-print-directory all $(addprefix $(BUILD)/bench/,$(BENCHES) $(PEER_BENCHES))
 	@BUILD='$(BUILD)' bench/all.sh '$(FCLIB)' '$(LCP)'
 
 # ---- demo, install ------------------------------------------------------------------------------
