@@ -251,6 +251,16 @@ static int run_comparison(FILE *page, int count, char **name) {
   return EXIT_SOLVED;
 }
 
+/* Returns 0 after a message if a name is none. */
+static int can_read(int count, char **name) {
+  for (int f = 0; f < count; f++) {
+    problem p;
+    if (!named_problem(name[f], &p)) return 0;
+    drop_problem(&p);
+  }
+  return 1;
+}
+
 /* ---- the cost of a step ---------------------------------------------------------------------- */
 
 /* Returns 1, or 0 after a message. number: NULL for 1. */
@@ -360,6 +370,7 @@ int main(int argc, char **argv) {
   if (bad)
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
                     "--unique NAME... | --total [SEED] | --nu NU SEED");
+  if (!price && !can_read(count, argv + first)) return EXIT_BAD_INPUT; /* the page stays */
   FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)
                      : bench_page(directory, "auto", "auto against the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
