@@ -5,12 +5,12 @@
  *   hard --part K --out DIR    adds the runs of a part to DIR/hard.csv; 0: begins the file anew
  *   hard --page --out DIR      writes DIR/hard.md of these runs
  *   hard --one FLAW CONTACTS CONDITION MU SEED [SECONDS]    one problem, a line for each method
- *   hard --save DIR            writes 30 of the problems as FCLIB files, for `delassus profile`
+ *   hard --save DIR [SEED]     writes 30 of the problems as FCLIB files, for `delassus profile`
  *
  * Parts: the grid of conditioning and friction with 10 and with 30 contacts, two seeds of each
  * degeneracy; fewer problems with 100, 300 and 1000 contacts. A limit of CPU stands in each row.
- * Saved: all conditionings, frictions 0.3, 1 and 5, 30 and 100 contacts, seed 2, the
- * degeneracies but bonded in turn.
+ * Saved: all conditionings, frictions 0.3, 1 and 5, 30 and 100 contacts, seed 2 or
+ * SEED, the degeneracies but bonded in turn.
  */
 #include "hard.h"
 
@@ -151,7 +151,7 @@ static int save_problem(const char *directory, const hard_row *what) {
 }
 
 /* An FCLIB file holds no infinite friction: none of them is bonded. */
-static int save_problems(const char *directory) {
+static int save_problems(const char *directory, int seed) {
   static const int sizes[] = {30, 100}, friction[] = {1, 2, 4}; /* 0.3, 1, 5 */
   int bad = 0;
   for (int n = 0; n < 2; n++)
@@ -161,7 +161,7 @@ static int save_problems(const char *directory) {
                                .nc = sizes[n],
                                .condition = conditions[i],
                                .mu = frictions[friction[j]],
-                               .seed = 2};
+                               .seed = seed};
         bad = save_problem(directory, &what);
       }
   return bad;
@@ -171,10 +171,11 @@ int main(int argc, char **argv) {
   const char *out = argc >= 3 && strcmp(argv[argc - 2], "--out") == 0 ? argv[argc - 1] : NULL;
   if (argc >= 7 && strcmp(argv[1], "--one") == 0)
     return run_one(argv + 2, argc > 7 ? atof(argv[7]) : 1);
-  if (argc == 3 && strcmp(argv[1], "--save") == 0) return save_problems(argv[2]);
+  if ((argc == 3 || argc == 4) && strcmp(argv[1], "--save") == 0)
+    return save_problems(argv[2], argc == 4 ? atoi(argv[3]) : 2);
   if (out && argc == 5 && strcmp(argv[1], "--part") == 0) return run_part(atoi(argv[2]), out);
   if (out && argc == 4 && strcmp(argv[1], "--page") == 0) return write_page(out, argc, argv);
-  fprintf(stderr, "hard --part K --out DIR, hard --page --out DIR, hard --save DIR, or "
+  fprintf(stderr, "hard --part K --out DIR, hard --page --out DIR, hard --save DIR [SEED], or "
                   "hard --one FLAW CONTACTS CONDITION MU SEED [SECONDS]\n");
   return 2;
 }

@@ -50,7 +50,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.1906,0.4530 to screen 0.2106,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  3D only' at screen 0.2156,0.4530 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4370 to screen 0.2106,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label "Siconos CPG".'  41/57' at screen 0.2156,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  44/57' at screen 0.2156,0.4370 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4210 to screen 0.2106,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
   set label "Siconos Lemke".'  39/57' at screen 0.2156,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
@@ -76,12 +76,12 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:2.475e+06]
+  set yrange [0.8:5.319e+05]
   set format y '10^{%T}'
   set ytics 10
   set ylabel 'CPU / fastest' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00016' 1, '0.027' 15, '0.11' 29, '0.45' 43, '3.2' 57)
+  set xtics ('0.00023' 1, '0.033' 15, '0.14' 29, '0.56' 43, '2.9' 57)
   set label 'diamonds: auto; crosses: not solved; rings: not decided; '."measured CPU of this machine; rings: the limit of CPU came first" at screen 0.04,0.012 left font ',12' noenhanced
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 5 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -129,7 +129,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
   set label "nlgs".'  57/59' at screen 0.4083,0.4690 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label "admm".'  56/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set label "admm".'  58/59' at screen 0.4083,0.4530 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  58/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
@@ -145,7 +145,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.5240,0.4530 to screen 0.5440,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  3D only' at screen 0.5490,0.4530 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4370 to screen 0.5440,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label "Siconos CPG".'  39/57' at screen 0.5490,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  43/57' at screen 0.5490,0.4370 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4210 to screen 0.5440,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
   set label "Siconos Lemke".'  39/57' at screen 0.5490,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
@@ -171,12 +171,12 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:1.976e+06]
+  set yrange [0.8:4.217e+05]
   set format y '10^{%T}'
   set ytics 10
   set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00016' 1, '0.034' 15, '0.12' 29, '0.55' 43, '4' 57)
+  set xtics ('0.00021' 1, '0.041' 15, '0.13' 29, '0.63' 43, '6.1' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 62 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -195,6 +195,7 @@ do for [type in 'png svg'] {
       'solvers_profile_2d.dat' index 89 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
       'solvers_profile_2d.dat' index 91 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#7f0000', \
       'solvers_profile_2d.dat' index 105 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#b00020', \
+      'solvers_profile_2d.dat' index 106 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
       'solvers_profile_2d.dat' index 107 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#b00020', \
       'solvers_profile_2d.dat' index 109 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#7f0000', \
       'solvers_profile_2d.dat' index 110 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
@@ -227,7 +228,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.7167,0.4690 to screen 0.7367,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
   set label "nlgs".'  57/59' at screen 0.7417,0.4690 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4530 to screen 0.7367,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label "admm".'  56/59' at screen 0.7417,0.4530 left font ',10' noenhanced
+  set label "admm".'  57/59' at screen 0.7417,0.4530 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4370 to screen 0.7367,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  58/59' at screen 0.7417,0.4370 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
@@ -243,7 +244,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.8573,0.4530 to screen 0.8773,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  3D only' at screen 0.8823,0.4530 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4370 to screen 0.8773,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label "Siconos CPG".'  39/57' at screen 0.8823,0.4370 left font ',10' noenhanced
+  set label "Siconos CPG".'  42/57' at screen 0.8823,0.4370 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4210 to screen 0.8773,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
   set label "Siconos Lemke".'  39/57' at screen 0.8823,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
@@ -269,12 +270,12 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:1.732e+06]
+  set yrange [0.8:3.676e+05]
   set format y '10^{%T}'
   set ytics 10
   set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00016' 1, '0.039' 15, '0.13' 29, '0.55' 43, '5.2' 57)
+  set xtics ('0.00023' 1, '0.047' 15, '0.14' 29, '0.63' 43, '7.8' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 117 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 118 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \

@@ -44,9 +44,9 @@ do for [type in 'png svg'] {
   set arrow from screen 0.1906,0.5010 to screen 0.2106,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
   set label "Siconos NSGS".'  57/59' at screen 0.2156,0.5010 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4850 to screen 0.2106,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  57/59' at screen 0.2156,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  53/59' at screen 0.2156,0.4850 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4690 to screen 0.2106,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  52/59' at screen 0.2156,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  53/59' at screen 0.2156,0.4690 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4530 to screen 0.2106,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  49/51' at screen 0.2156,0.4530 left font ',10' noenhanced
   set arrow from screen 0.1906,0.4370 to screen 0.2106,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
@@ -82,7 +82,7 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel 'CPU / fastest' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.7e-05' 1, '0.0039' 15, '0.068' 29, '0.76' 43, '6.5' 57)
+  set xtics ('2.1e-05' 1, '0.0077' 15, '0.08' 29, '0.92' 43, '7.6' 57)
   set label 'diamonds: auto; crosses: not solved; rings: not decided; '."measured CPU of this machine; rings: the limit of CPU came first" at screen 0.04,0.012 left font ',12' noenhanced
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 5 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -131,7 +131,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
   set label "nlgs".'  56/59' at screen 0.4083,0.4690 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label "admm".'  57/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set label "admm".'  58/59' at screen 0.4083,0.4530 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label "augmented-lagrangian".'  59/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
@@ -141,7 +141,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.5240,0.5010 to screen 0.5440,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
   set label "Siconos NSGS".'  53/59' at screen 0.5490,0.5010 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4850 to screen 0.5440,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  55/59' at screen 0.5490,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  51/59' at screen 0.5490,0.4850 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4690 to screen 0.5440,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
   set label "Siconos ADMM".'  50/59' at screen 0.5490,0.4690 left font ',10' noenhanced
   set arrow from screen 0.5240,0.4530 to screen 0.5440,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
@@ -179,7 +179,7 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.7e-05' 1, '0.0039' 15, '0.076' 29, '0.97' 43, '9.5' 57)
+  set xtics ('2.1e-05' 1, '0.0051' 15, '0.091' 29, '1.4' 43, '10' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 62 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -221,7 +221,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.7167,0.5170 to screen 0.7367,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
   set label "auto".'  59/59' at screen 0.7417,0.5170 left font ',10' noenhanced
   set arrow from screen 0.7167,0.5010 to screen 0.7367,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
-  set label "newton".'  58/59' at screen 0.7417,0.5010 left font ',10' noenhanced
+  set label "newton".'  57/59' at screen 0.7417,0.5010 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4850 to screen 0.7367,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
   set label "nlgs+anderson".'  59/59' at screen 0.7417,0.4850 left font ',10' noenhanced
   set arrow from screen 0.7167,0.4690 to screen 0.7367,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
@@ -233,13 +233,13 @@ do for [type in 'png svg'] {
   set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
   set label "lemke".'  39/39' at screen 0.7417,0.4210 left font ',10' noenhanced
   set arrow from screen 0.8573,0.5170 to screen 0.8773,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
-  set label "best of Siconos".'  57/59' at screen 0.8823,0.5170 left font ',10' noenhanced
+  set label "best of Siconos".'  59/59' at screen 0.8823,0.5170 left font ',10' noenhanced
   set arrow from screen 0.8573,0.5010 to screen 0.8773,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
   set label "Siconos NSGS".'  51/59' at screen 0.8823,0.5010 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4850 to screen 0.8773,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label "Siconos NSN".'  39/59' at screen 0.8823,0.4850 left font ',10' noenhanced
+  set label "Siconos NSN".'  38/59' at screen 0.8823,0.4850 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4690 to screen 0.8773,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
-  set label "Siconos ADMM".'  40/59' at screen 0.8823,0.4690 left font ',10' noenhanced
+  set label "Siconos ADMM".'  42/59' at screen 0.8823,0.4690 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4530 to screen 0.8773,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label "Siconos PROX".'  31/51' at screen 0.8823,0.4530 left font ',10' noenhanced
   set arrow from screen 0.8573,0.4370 to screen 0.8773,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
@@ -275,10 +275,11 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 0.5,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.7e-05' 1, '0.0039' 15, '0.086' 29, '1.1' 43, '14' 57)
+  set xtics ('2.1e-05' 1, '0.0065' 15, '0.1' 29, '1.2' 43, '14' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 117 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 118 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 119 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 121 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
       'solvers_profile_3d.dat' index 125 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_3d.dat' index 127 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 1 lc rgb '#e69f00', \
@@ -287,7 +288,6 @@ do for [type in 'png svg'] {
       'solvers_profile_3d.dat' index 133 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_3d.dat' index 137 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
       'solvers_profile_3d.dat' index 141 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
-      'solvers_profile_3d.dat' index 142 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#b00020', \
       'solvers_profile_3d.dat' index 145 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
       'solvers_profile_3d.dat' index 146 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
       'solvers_profile_3d.dat' index 147 using 1:2 with points pt 6 ps 0.7 lw 1.8 dt 3 lc rgb '#7f0000', \
