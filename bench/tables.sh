@@ -77,7 +77,7 @@ study() {
   cat <<HEAD
 # The tables of Chabrand, Dubois and Raous (1998)
 
-Written by \`make bench-tables\`: $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), one BLAS thread. Compare ratios, not seconds.
+Written by \`make bench-tables\`: $(date -u '+%d %B %Y'), commit $(git describe --always --dirty=' and changes' 2>/dev/null), $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), one BLAS thread. Compare ratios, not seconds.
 
 Paper: minutes, and their ratio to Lemke. Here: seconds of CPU without files, their ratio to Lemke, and their parts.
 Force: largest difference from Lemke's in any step, over Lemke's. Tolerance 1e-9, Gauss-Seidel 1e-10.
