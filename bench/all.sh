@@ -13,8 +13,7 @@ if [ "$1" = page ]; then
   start=$(date +%s)
   $make --no-print-directory "bench-$name" BENCH="$*" >>"$build/bench/$name.log" 2>&1
   status=$?
-  [ $status -eq 0 ] || echo "bench-$name $*: failed"
-  echo "bench-$name $*: $((($(date +%s) - start + 30) / 60)) min"
+  echo "bench-$name $*: $((($(date +%s) - start + 30) / 60)) min$([ $status -eq 0 ] || echo ', failed')"
   exit $status
 fi
 

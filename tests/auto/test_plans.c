@@ -362,6 +362,38 @@ START_TEST(names_of_what_ran) {
 }
 END_TEST
 
+/* Ill-conditioned: the homotopy comes near an answer at once. The augmented Lagrangian and ADMM add
+ * the last digits, so that no further path is needed. */
+START_TEST(last_digits_after_a_short_path) {
+  static const unsigned seeds[] = {8, 9, 22, 31};
+  const dls_contact p = planted_graded(&storage, 3, 12, 18, 1e8, 0.3, seeds[_i]);
+  dls_solver_settings s = given(NULL, NULL);
+  s.limits.tol = 1e-11;
+  const dls_info info = solve_with(&p, &s);
+  ck_assert_int_eq(info.status, DLS_OK);
+  ck_assert(has_step(&info, DLS_STEP_AUGMENTED));
+  for (int k = 0; k < info.stages; k++)
+    if (info.stage[k].step == DLS_STEP_HOMOTOPY) ck_assert_int_le(info.stage[k].iterations, 100);
+}
+END_TEST
+
+/* Far from an answer the many paths follow the short one immediately. */
+START_TEST(no_last_digits_far_from_an_answer) {
+  failure f;
+  char why[200];
+  ck_assert_msg(failure_read("data/failures", "c03-jam-above", &f, why), "%s", why);
+  const dls_contact p = failure_contact(&f);
+  const dls_info info = solve_with(&p, NULL);
+  int k = 0;
+  while (k < info.stages && info.stage[k].step != DLS_STEP_HOMOTOPY)
+    k++;
+  ck_assert_int_lt(k + 1, info.stages);
+  ck_assert_int_eq(info.stage[k].iterations, 100);
+  ck_assert_double_gt(info.stage[k].residual, 0.05);
+  ck_assert_int_eq(info.stage[k + 1].step, DLS_STEP_HOMOTOPY);
+}
+END_TEST
+
 /* Each problem of a batch follows the plan, none goes into lanes. */
 START_TEST(batches) {
   static const double W[] = {2, 0.5, 0.5, 1}, q[] = {-1, 0.3}, mu[] = {0.4};
@@ -419,6 +451,7 @@ int main(void) {
              ONCE(a_plan_is_followed), ONCE(a_plan_is_followed_once), ONCE(forecasts_in_a_plan),
              ONCE(a_plan_less_a_step), ONCE(without_a_step), ONCE(wrong_words),
              ONCE(words_are_read_once), ONCE(not_applicable), ONCE(limits_of_the_caller),
-             ONCE(proofs), ONCE(seconds_of_each_step), EACH(names_of_what_ran, 0, 4), ONCE(batches),
-             ONCE(in_words));
+             ONCE(proofs), ONCE(seconds_of_each_step), EACH(names_of_what_ran, 0, 4),
+             EACH(last_digits_after_a_short_path, 0, 4), ONCE(no_last_digits_far_from_an_answer),
+             ONCE(batches), ONCE(in_words));
 }

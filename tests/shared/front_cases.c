@@ -52,12 +52,13 @@ dls_contact coupled(double *W, double *q, double *mu, int d, int nc, double diag
   return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
 }
 
-dls_contact planted(planted_problem *a, int d, int nc, int rank, double friction, unsigned seed) {
+dls_contact planted_graded(planted_problem *a, int d, int nc, int rank, double condition,
+                           double friction, unsigned seed) {
   static double B[9 * PLANTED * PLANTED];
   const int m = d * nc;
   double r[3 * PLANTED] = {0}, u[3 * PLANTED] = {0};
   for (int k = 0; k < m * rank; k++)
-    B[k] = draw(&seed);
+    B[k] = draw(&seed) * pow(condition, -0.5 * (k / m) / (rank - 1));
   for (int c = 0; c < nc; c++) {
     const double state = draw(&seed), size = 1.5 + draw(&seed);
     const double t[2] = {draw(&seed), d == 3 ? draw(&seed) : 0}, l = hypot(t[0], t[1]);
@@ -87,6 +88,10 @@ dls_contact planted(planted_problem *a, int d, int nc, int rank, double friction
     }
   }
   return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};
+}
+
+dls_contact planted(planted_problem *a, int d, int nc, int rank, double friction, unsigned seed) {
+  return planted_graded(a, d, nc, rank, 1, friction, seed);
 }
 
 dls_contact planted_case(planted_problem *a, int k) {

@@ -30,6 +30,9 @@ typedef struct planted_problem {
  * third of the candidates each free, slipping and sticking: hard for sweeps and for Newton's
  * method. */
 dls_contact planted(planted_problem *a, int d, int nc, int rank, double friction, unsigned seed);
+/* The same with columns of B that fall from 1 to condition^-1/2: W is as ill-conditioned. */
+dls_contact planted_graded(planted_problem *a, int d, int nc, int rank, double condition,
+                           double friction, unsigned seed);
 /* The k-th of them: full rank and mu = 1, or half of it and mu = 3 */
 dls_contact planted_case(planted_problem *a, int k);
 
