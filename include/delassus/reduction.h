@@ -201,8 +201,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, 
  *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
  *   weights                  the compliance of the contact node with its neighbours held, from K
  *   |q|                      sqrt( |H^T x|^2 + |g|^2 + |D r|^2 ) of the contacts that touch
- *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|); with
- *                            joints, for each body separately with |G l| added to |H r|, and for
+ *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H||r|);
+ *                            with joints, for each body separately with |G l| added, and for
  *                            the joints |G^T x - b| over lengths
  *
  * mu as in dls_reduction_contact. If K is a flexibility or a host's solver, equilibrium is 0 and

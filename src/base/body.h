@@ -68,17 +68,17 @@ dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d,
 /* Arrays of the measure of equilibrium, n unless said otherwise. */
 typedef struct dlsi_forces {
   double *e, *ae; /* K x - f - H r and the size of its terms */
-  double *Hr;
-  double *pull;  /* joints: minus the forces of joints on positions */
-  double *reach; /* joints: K_jj, then the lengths at positions and in joints */
-  double *sums;  /* 10 for each piece and each part: largest numbers, then sums of squares */
+  double *Hr;     /* |H||r| */
+  double *pull;   /* joints: minus the forces of joints on positions */
+  double *reach;  /* joints: K_jj, then the lengths at positions and in joints */
+  double *sums;   /* 10 for each piece and each part: largest numbers, then sums of squares */
 } dlsi_forces;
 
 /* Returns the doubles of the arrays; places them in work. */
 size_t dlsi_forces_scratch(const dlsi_body *body);
 dlsi_forces dlsi_forces_in(const dlsi_body *body, double *work);
 
-/* Sets Hr := H r, e := K x - f - H r, ae := |K||x| + |f| + |H||r|. */
+/* Sets Hr := |H||r|, e := K x - f - H r, ae := |K||x| + |f| + |H||r|. */
 void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, const double *x,
                      const dlsi_forces *of);
 

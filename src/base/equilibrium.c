@@ -2,11 +2,11 @@
  * equilibrium.c: the part of the certificate for balance of forces and for joints.
  *
  *   (EB1)  e = K x - f - H r,   a = |K||x| + |f| + |H||r|
- *   (EB2)  of a connected body     |e| / s,   s = |f| + |H r|, but at least 1e-12 of the largest s
- *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H r| + |G l|, but at
+ *   (EB2)  of a connected body     |e| / s,   s = |f| + |H||r|, but at least 1e-12 of the largest s
+ *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H||r| + |G l|, but at
  *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints
  *   (EB4)  of the joints of these bodies   |G^T x - b| / s_l,   s_l = | |G|^T y + |b| |
- *          y_j = max(|x_j|, (|f| + |H r| + |G l|)_j / K_jj): a displacement, or an indentation
+ *          y_j = max(|x_j|, (|f| + |H||r| + |G l|)_j / K_jj): a displacement, or an indentation
  *   (EB5)  floor_e: eps |a| / s, in (EB3) with the largest |a| of these bodies; eps in (EB4)
  *
  * A body without any load contains the rounding of others: hence the 1e-12. A joint's row is a
@@ -24,7 +24,7 @@
 static const double least_load = 1e-12; /* (EB2) */
 static const double least_share = 1e-4; /* (EB3) */
 
-enum { kinds = 5 }; /* e, a, f, H r, G l of a row; e, 0, s_l, 0, 0 of a joint */
+enum { kinds = 5 }; /* e, a, f, |H||r|, G l of a row; e, 0, s_l, 0, 0 of a joint */
 
 /* Returns the number of groups of rows that are measured separately. */
 static size_t forces_groups(const dlsi_body *body) {
@@ -59,12 +59,12 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
   else
     dlsi_body_multiply(body->model, x, of->e, of->ae);
   for (int j = 0; j < body->n; j++) {
-    double sum = 0, size = 0;
+    double sum = 0, size = 0; /* reactions that cancel press all the same */
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
       sum += Ht->x[k] * r[Ht->i[k]];
       size += fabs(Ht->x[k] * r[Ht->i[k]]);
     }
-    of->Hr[j] = sum;
+    of->Hr[j] = size;
     of->e[j] -= (f ? f[j] : 0) + sum;
     of->ae[j] += (f ? fabs(f[j]) : 0) + size;
   }

@@ -1,0 +1,183 @@
+/*
+ * test_rest.c: bodies at rest, where forces cancel: statics is the judge.
+ *
+ * Rigid bodies, three unknowns each (two displacements, a rotation about the centre), K = 0 or the
+ * masses.
+ */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "run.h"
+
+enum { most_bodies = 12, most_contacts = 40, most = 3 * most_bodies };
+
+/* Rigid bodies in the plane and their contacts. */
+typedef struct rigid {
+  int bodies, contacts;
+  double x[most_bodies], y[most_bodies];
+  double K[most * most], f[most];
+  double N[2 * most * most_contacts], *T; /* n x contacts each */
+} rigid;
+
+static void rigid_body(rigid *R, double x, double y, double mass, double inertia) {
+  const int b = R->bodies++;
+  R->x[b] = x;
+  R->y[b] = y;
+  const double m[3] = {mass, mass, inertia};
+  for (int i = 0; i < 3; i++)
+    R->K[3 * b + i + most * (3 * b + i)] = m[i];
+}
+
+/* H of the motion of point (x, y) of body b along (ex, ey), times sign. */
+static void rigid_column(const rigid *R, double *H, int b, double x, double y, double ex, double ey,
+                         double sign) {
+  H[3 * b] += sign * ex;
+  H[3 * b + 1] += sign * ey;
+  H[3 * b + 2] += sign * ((x - R->x[b]) * ey - (y - R->y[b]) * ex);
+}
+
+/* Body a touches body b (-1: the ground) at (x, y); (nx, ny) points to a, (ny, -nx) is tangent. */
+static void rigid_contact(rigid *R, int a, int b, double x, double y, double nx, double ny) {
+  const size_t at = (size_t)most * (size_t)R->contacts++;
+  R->T = R->N + most * most_contacts;
+  rigid_column(R, R->N + at, a, x, y, nx, ny, 1);
+  rigid_column(R, R->T + at, a, x, y, ny, -nx, 1);
+  if (b < 0) return;
+  rigid_column(R, R->N + at, b, x, y, nx, ny, -1);
+  rigid_column(R, R->T + at, b, x, y, ny, -nx, -1);
+}
+
+/* Solves with K = `mass` times the masses; returns the status. r: n, t a contact. */
+static dls_status rigid_solve(const rigid *R, double mass, double mu, double *r, double *x,
+                              dls_info *info) {
+  const int n = 3 * R->bodies, nc = R->contacts;
+  double *K = calloc((size_t)(n * n), sizeof *K), friction[most_contacts];
+  int p[most_contacts + 1], *i = calloc((size_t)(n * nc), sizeof *i);
+  double *N = calloc(2 * (size_t)(n * nc), sizeof *N), *T = N + n * nc;
+  for (int k = 0; k < n; k++)
+    K[k + n * k] = mass * R->K[k + most * k];
+  for (int c = 0; c <= nc; c++)
+    p[c] = n * c;
+  for (int c = 0; c < nc; c++) {
+    friction[c] = mu;
+    for (int k = 0; k < n; k++) {
+      i[k + n * c] = k;
+      N[k + n * c] = R->N[k + most * c];
+      T[k + n * c] = R->T[k + most * c];
+    }
+  }
+  const dls_model model = {.d = 2,
+                           .n = n,
+                           .nodes = nc,
+                           .operator_kind = DLS_STIFFNESS_DENSE,
+                           .factorization = DLS_CHOLESKY,
+                           .K = {n, n, n, K},
+                           .HN = {n, nc, p, i, N},
+                           .HT = {n, nc, p, i, T}};
+  dls_reduction *reduction;
+  dls_error e;
+  dls_status status = dls_reduction_create_either(&reduction, &model, NULL, &e);
+  if (!status) status = dls_reduction_load(reduction, R->f, NULL, &e);
+  ck_assert_msg(status == DLS_OK, "%s", e.message);
+  status = dls_reduction_solve(reduction, friction, NULL, r, NULL, x, info, &e);
+  dls_certificate again;
+  ck_assert_int_eq(dls_reduction_certify(reduction, friction, r, x, NULL, &again, NULL), DLS_OK);
+  if (status == DLS_OK) ck_assert_int_eq(dls_certificate_verdict(&again, 1e-8), DLS_OK);
+  dls_reduction_destroy(reduction);
+  free(K);
+  free(N);
+  free(i);
+  return status;
+}
+
+static double sum(const double *r, int from, int to, int i) {
+  double all = 0;
+  for (int c = from; c < to; c++)
+    all += r[2 * c + i];
+  return all;
+}
+
+static const double masses[] = {0, 1, 1e-6, 1e6};
+
+/* A square of side 1 on a slope of .2 rad, mu .5: r balances 10, with its moment. */
+START_TEST(box_on_a_slope) {
+  rigid R = {0};
+  double r[4], x[3];
+  dls_info info;
+  rigid_body(&R, 0, .5, 1, 1. / 6);
+  rigid_contact(&R, 0, -1, -.5, 0, 0, 1);
+  rigid_contact(&R, 0, -1, .5, 0, 0, 1);
+  R.f[0] = 10 * sin(.2);
+  R.f[1] = -10 * cos(.2);
+  ck_assert_int_eq(rigid_solve(&R, masses[_i], .5, r, x, &info), DLS_OK);
+  ck_assert_double_eq_tol(r[0], 5 * cos(.2) - 5 * sin(.2), 1e-7);
+  ck_assert_double_eq_tol(r[2], 5 * cos(.2) + 5 * sin(.2), 1e-7);
+  ck_assert_double_eq_tol(r[1] + r[3], -10 * sin(.2), 1e-7);
+  for (int k = 0; masses[_i] > 0 && k < 3; k++)
+    ck_assert_double_eq_tol(x[k], 0, 1e-7 * 10 / masses[_i]);
+  R.f[0] = 10 * sin(.6); /* beyond tan .6 > .5 it slides: no equilibrium without mass */
+  R.f[1] = -10 * cos(.6);
+  const dls_status status = rigid_solve(&R, masses[_i], .5, r, x, &info);
+  ck_assert(masses[_i] > 0 ? status == DLS_OK && x[0] > 0 : status == DLS_NO_SOLUTION);
+}
+END_TEST
+
+/* Five boxes of side 1 and weight 9.81, the top one pushed by 4: each storey carries what is above
+ * it. */
+START_TEST(stack_that_is_pushed) {
+  rigid R = {0};
+  double r[20], x[15];
+  dls_info info;
+  for (int k = 0; k < 5; k++) {
+    rigid_body(&R, 0, k + .5, 1, 1. / 6);
+    rigid_contact(&R, k, k - 1, -.5, k, 0, 1);
+    rigid_contact(&R, k, k - 1, .5, k, 0, 1);
+    R.f[3 * k + 1] = -9.81;
+  }
+  R.f[12] = 4;
+  ck_assert_int_eq(rigid_solve(&R, masses[_i], .5, r, x, &info), DLS_OK);
+  for (int k = 0; k < 5; k++) {
+    ck_assert_double_eq_tol(sum(r, 2 * k, 2 * k + 2, 0), 9.81 * (5 - k), 1e-6);
+    ck_assert_double_eq_tol(sum(r, 2 * k, 2 * k + 2, 1), -4, 1e-6);
+  }
+}
+END_TEST
+
+/* Fingers squeeze a ball of weight 1 by forces of s each: it is held where 2 mu s > 1. */
+START_TEST(grasp) {
+  static const double squeeze[] = {.9, 1.1, 1e3, 1e6};
+  rigid R = {0};
+  double r[4], x[9];
+  dls_info info;
+  rigid_body(&R, 0, 0, 1, .4);
+  rigid_body(&R, -1.5, 0, 1, .1);
+  rigid_body(&R, 1.5, 0, 1, .1);
+  rigid_contact(&R, 0, 1, -1, 0, 1, 0);
+  rigid_contact(&R, 0, 2, 1, 0, -1, 0);
+  R.f[1] = -1;
+  R.f[4] = R.f[7] = .5; /* the arms carry the ball */
+  for (int k = 0; k < 4; k++) {
+    const double s = squeeze[k];
+    R.f[3] = s;
+    R.f[6] = -s;
+    R.f[5] = .25; /* the moments of friction on the arms */
+    R.f[8] = -.25;
+    const dls_status status = rigid_solve(&R, masses[_i], .5, r, x, &info);
+    if (s > 1) {
+      ck_assert_int_eq(status, DLS_OK);
+      ck_assert_double_eq_tol(r[0], s, 1e-7 * s);
+      ck_assert_double_eq_tol(r[2], s, 1e-7 * s);
+      ck_assert_double_eq_tol(fabs(r[1]), .5, 1e-7 * s);
+    } else
+      ck_assert(masses[_i] > 0 || status != DLS_OK);
+  }
+}
+END_TEST
+
+int main(void) {
+  return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
+             EACH(grasp, 0, 4));
+}
