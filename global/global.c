@@ -6,14 +6,13 @@
  * triangle. The solvers work on K without redundant joints (linear/redundant.c), the certificate on
  * all of K. Memory: this copy, H twice, the system (system.c), 20 vectors. Fails: no memory.
  */
-#include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "global_internal.h"
 
-enum { most_iterations = 5000, window = 10 };
+enum { most_iterations = 5000, window = 10, most_landings = 3 };
 
 /* ---- the model ------------------------------------------------------------------------------- */
 
@@ -36,64 +35,6 @@ static void matrices_free(matrices *of) {
   free(of->root);
   free(of->scratch);
   free(of->part);
-}
-
-/* Adds up the entries of column j that count into sum (n, 0 elsewhere), and lists their rows.
- * mark: n, j where a row is listed. Returns their number. */
-static int column_gather(const dls_model *model, int j, double *sum, int *mark, int *rows) {
-  const int lower = model->factorization != DLS_LU;
-  const int dense = model->operator_kind == DLS_STIFFNESS_DENSE;
-  const int from = dense ? 0 : model->Ks.p[j], end = dense ? model->n : model->Ks.p[j + 1];
-  int count = 0;
-  for (int k = from; k < end; k++) {
-    const int i = dense ? k : model->Ks.i[k];
-    if (lower && i < j) continue;
-    const double v =
-        dense ? model->K.a[(size_t)k + (size_t)j * (size_t)model->K.ld] : model->Ks.x[k];
-    if (dense && v == 0) continue;
-    if (mark[i] != j) {
-      mark[i] = j;
-      sum[i] = 0;
-      rows[count++] = i;
-    }
-    sum[i] += v;
-  }
-  return count;
-}
-
-static dls_status matrices_copy_K(matrices *to, const dls_model *model, dls_error *error) {
-  const size_t n = (size_t)model->n;
-  double *sum = dlsi_alloc(n, sizeof *sum);
-  int *mark = dlsi_alloc(2 * n, sizeof *mark), *rows = mark ? mark + n : NULL;
-  dls_status status = sum && mark ? DLS_OK : dlsi_no_memory(error);
-  for (int turn = 0; !status && turn < 2; turn++) {
-    size_t entries = 0;
-    for (size_t k = 0; k < n; k++)
-      mark[k] = -1;
-    for (int j = 0; !status && j < model->n; j++) {
-      const int count = column_gather(model, j, sum, mark, rows);
-      for (int k = 0; turn && k < count; k++) {
-        const size_t at = entries + (size_t)k;
-        to->K.i[at] = rows[k];
-        to->K.x[at] = sum[rows[k]];
-        if (!(fabs(sum[rows[k]]) <= DBL_MAX))
-          status = dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", j, sum[rows[k]],
-                             "entries of one place in this column add up to %g", sum[rows[k]]);
-      }
-      if (turn) to->K.p[j] = (int)entries;
-      entries += (size_t)count;
-    }
-    if (status) break;
-    if (turn)
-      to->K.p[n] = (int)entries;
-    else if (entries > INT_MAX)
-      status = dlsi_fail(error, DLS_E_SIZE, "K", -1, (double)entries, "too many entries");
-    else
-      status = dlsi_columns_alloc(model->n, model->n, (int)entries, &to->K, error);
-  }
-  free(sum);
-  free(mark);
-  return status;
 }
 
 static dls_model matrices_view(const matrices *of, dls_factorization factorization) {
@@ -167,7 +108,7 @@ static dls_status matrices_create(matrices *to, const dls_model *model, dls_erro
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
                      "is not a stiffness, dense or sparse");
-  status = matrices_copy_K(to, model, error);
+  status = dlsi_stiffness_columns(model, &to->K, error);
   if (!status) status = dlsi_operator_create(&to->operator, model, 0, error);
   return status ? status : matrices_make_H(to, model, error);
 }
@@ -213,7 +154,8 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
   double **const of_m[] = {&work->gap,    &work->g,     &work->q,    &work->r,
                            &work->z,      &work->p,     &work->u,    &work->before,
                            &work->best_r, &work->trial, &work->look, &work->R};
-  double **const of_n[] = {&work->motion, &work->x, &work->y, &work->f, &work->best_x};
+  double **const of_n[] = {&work->motion, &work->x,        &work->y,     &work->f,
+                           &work->own,    &work->balanced, &work->best_x};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof(double));
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
@@ -412,7 +354,7 @@ static void solve_begin(dls_global *work, const double *f, const double *g, cons
                         const double *r, const double *x) {
   const size_t d = (size_t)work->d, m = (size_t)work->m;
   const dlsi_columns *P = &work->operator.P;
-  work->load = f;
+  work->given = work->load = f;
   for (int k = 0; k < work->n; k++)
     work->f[k] = f ? f[k] : 0;
   for (int k = 0; k < work->apart.count; k++)
@@ -432,8 +374,62 @@ static void solve_begin(dls_global *work, const double *f, const double *g, cons
   }
   for (int k = 0; k < work->n; k++)
     work->x[k] = warm ? x[k] : 0;
+  memset(work->own, 0, (size_t)work->n * sizeof *work->own);
+  work->is_split = 0;
+  work->body.balanced = NULL;
   work->iterations = work->factorisations = work->moves = 0;
   work->best = (dls_certificate){.residual = INFINITY, .body = -1};
+}
+
+/* Returns 1 if a solve ended without an answer, a proof or a limit of the caller. */
+static int solve_failed(dls_status status) {
+  return status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM || status == DLS_MAX_ITERATIONS;
+}
+
+/* Solves, and goes on where an answer holds only by a flight (LO3). */
+static dls_status solve_once(dls_global *work, int most, dls_error *error) {
+  dls_status status = DLS_OK;
+  for (int turn = 0; turn < most_landings; turn++) {
+    status = dlsi_global_land(work, dlsi_global_split(work, most, error), error);
+    if (status != DLS_NOT_IN_EQUILIBRIUM || !work->is_split) break;
+  }
+  return status;
+}
+
+/* Solves, and solves again without the loads that bodies balance in themselves if these are in the
+ * way (loads.c). */
+static dls_status solve_split(dls_global *work, dls_error *error) {
+  const size_t n = (size_t)work->n, m = (size_t)work->m;
+  const int most = dlsi_most_iterations(work->limits, most_iterations);
+  dls_status status = solve_once(work, most, error);
+  const dls_certificate first = work->best;
+  const int spent = work->limits->max_iterations && work->iterations >= most;
+  if (status != dlsi_split_first &&
+      !(solve_failed(status) && dlsi_global_can_split(work) && !spent))
+    return status;
+  double *kept = dlsi_alloc(n + m, sizeof *kept);
+  dls_status then = kept ? DLS_OK : dlsi_no_memory(error);
+  if (!then) {
+    memcpy(kept, work->best_x, n * sizeof *kept);
+    memcpy(kept + n, work->best_r, m * sizeof *kept);
+    then = dlsi_global_split_off(work, error);
+  }
+  if (!then) {
+    memset(work->x, 0, n * sizeof *work->x);
+    memset(work->r, 0, m * sizeof *work->r);
+    work->best = (dls_certificate){.residual = INFINITY, .body = -1};
+    then = solve_once(work, work->limits->max_iterations ? most : work->iterations + most, error);
+  }
+  if (solve_failed(then)) { /* the first try has the better report */
+    work->best = first;
+    memcpy(work->best_x, kept, n * sizeof *kept);
+    memcpy(work->best_r, kept + n, m * sizeof *kept);
+    memset(work->own, 0, n * sizeof *work->own);
+    work->is_split = 0;
+    then = dlsi_global_verdict(work, solve_failed(status) ? status : then);
+  }
+  free(kept);
+  return then;
 }
 
 static dls_status global_solve(dls_global *work, const double *f, const double *g, const double *mu,
@@ -446,10 +442,11 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
   if (status) return status;
   work->begun = dlsi_clock_start(work->limits);
   solve_begin(work, f, g, mu, r, x);
-  status = dlsi_global_split(work, dlsi_most_iterations(work->limits, most_iterations), error);
+  status = solve_split(work, error);
   if (status < 0) return status;
   if (work->m > 0) memcpy(r, work->best_r, (size_t)work->m * sizeof *r);
-  memcpy(x, work->best_x, (size_t)work->n * sizeof *x);
+  for (int j = 0; j < work->n; j++)
+    x[j] = work->best_x[j] + work->own[j];
   if (info)
     *info = (dls_info){.status = status,
                        .method = DLS_ADMM,

@@ -12,61 +12,13 @@
 #include "base/columns.h"
 #include "delassus/global.h"
 #include "linear/anderson.h"
-#include "linear/cholesky.h"
 #include "linear/dense.h"
 #include "linear/general.h"
 #include "linear/operator.h"
+#include "linear/own.h"
 #include "linear/redundant.h"
 #include "linear/sparse_lu.h"
-
-/* ---- system.c: A = K + rho H H^T + E --------------------------------------------------------- */
-
-typedef struct dlsi_system {
-  int n, d;
-  int symmetric, definite;    /* definite: 0 after a pivot has shown that A is not */
-  size_t entries, of_K, of_H; /* entries = of_K + of_H + n, in this order, of one triangle where K
-                                 is symmetric */
-  int *row, *col;             /* counted from 1: entries */
-  double *x;                  /* values of A: entries */
-  double *h;                  /* values of H H^T: of_H */
-  const double *K;            /* values of K, borrowed: of_K */
-  dls_sparse H;               /* borrowed */
-  double *e;                  /* n: E is hold * e; |K_jj|, or the largest entry of column j; 0 of
-                                 multipliers: redundant joints are not in K */
-  double hold;                /* 0 where nothing is singular */
-  double *size;               /* n: scratch */
-  dlsi_cholesky *cholesky;    /* NULL where K is not symmetric */
-  dlsi_general general;
-} dlsi_system;
-
-/* Analyses. K: sparse, repeated entries added up; of a symmetric K only the lower triangle. H: n
- * x m, d columns a contact. joint: 1 of a multiplier, n; NULL: there is none. The values are read,
- * and K.Ks.x and H are borrowed. *out = NULL on error: DLS_E_MEMORY, DLS_E_SIZE. */
-dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H, int d,
-                              const int *joint, dls_error *error);
-
-/* Orders and analyses A, or A + A^T where K is not symmetric. *out = NULL on error:
- * DLS_E_MEMORY. */
-dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls_error *error);
-
-/* Takes new values on the same pattern. */
-void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H,
-                        const int *joint);
-
-/* Factors A. If A is singular, or a pivot is rounding, hold := 1e-8: then E holds what nothing else
- * holds. The caller adds E x_old to the right side, so that a fixed point does not depend on E. LU
- * if A is not definite. DLS_E_SINGULAR, DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
-dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error);
-
-/* Factors K + H M H^T + E in place of A. M: symmetric, a block for each contact: 4 numbers, nn, tt,
- * ss, ts; other couplings are 0. DLS_E_SINGULAR if that is not definite, DLS_E_MEMORY. */
-dls_status dlsi_system_factor_weighted(dlsi_system *work, const double *M, dls_error *error);
-
-/* x := A^-1 x. DLS_E_MEMORY. */
-dls_status dlsi_system_solve(dlsi_system *work, double *x, dls_error *error);
-
-/* NULL is fine. */
-void dlsi_system_destroy(dlsi_system *work);
+#include "linear/system.h"
 
 /* ---- the workspace --------------------------------------------------------------------------- */
 
@@ -95,7 +47,8 @@ struct dls_global {
   const dls_limits *limits;
   double begun;
   int iterations, factorisations;
-  const double *load;      /* n: the caller's f; NULL: 0 */
+  const double *given;     /* n: the caller's f; NULL: 0 */
+  const double *load;      /* n: the same, or f' once the own deformation is split off */
   double *f;               /* n: 0 in redundant joints */
   double *gap, *mu, *bend; /* g of the contacts, m; mu and mu' of the contacts, nc */
   double *g;               /* D^-1/2 gap: m */
@@ -105,6 +58,9 @@ struct dls_global {
   int *state;              /* nc: dls_contact_state, -1: not known */
   double *x, *y;           /* n: unknowns; right side and solution */
   double *u;               /* m: H^T x + g */
+  double *own;             /* n: the body's own deformation, split off; 0 before */
+  double *balanced;        /* parts, of body, once split */
+  int is_split;            /* 1: f, load, gap, g are of the split problem, x and best_x its y */
   double *best_r, *best_x; /* as the caller has them: m, n */
   double *trial, *look;    /* m: r, u as the caller has them */
   double *scratch;         /* dlsi_body_scratch */
@@ -128,7 +84,8 @@ void dlsi_global_look(const dls_global *work, const double *x, double *u);
 void dlsi_global_push(const dls_global *work, const double *r, double *v);
 
 /* Measures the pair (work->x, r), r round, and keeps it if it is the best so far. Returns DLS_OK if
- * it is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
+ * it is solved, DLS_TO_ROUNDING, DLS_STALLED to go on, or dlsi_split_first. *found receives the
+ * certificate. */
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
 
 /* Call a host's function in the environment of the host (base.h), as dls_global_solver says. Return
@@ -148,11 +105,32 @@ dls_status dlsi_global_factor(dls_global *work, dls_error *error);
 dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,
                             dls_error *error);
 
+/* ---- loads.c --------------------------------------------------------------------------------- */
+
+/* Of a measure: solved but for loads that may balance in themselves. The solve ends, and begins
+ * again after dlsi_global_split_off. No status of the library. */
+static const dls_status dlsi_split_first = (dls_status)100;
+
+/* Returns 1 if the own deformation can be split off, and has not been. */
+int dlsi_global_can_split(const dls_global *work);
+
+/* Splits it off: f, load, gap, g, own. Spoils y and the factor of A. An error of a solve. */
+dls_status dlsi_global_split_off(dls_global *work, dls_error *error);
+
+/* Moves the rigid motions that K holds by its rounding alone out of the best pair, if rounding levels
+ * need a second look, and measures it again: own and gap, g receive them, r and x the pair. Returns
+ * `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there. Spoils y and the
+ * factor of A. */
+dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *error);
+
 /* ---- splitting.c ----------------------------------------------------------------------------- */
 
 /* Solves from work->r, work->x in at most `most` iterations. work->best_r, best_x receive the best
  * pair. Returns a status of a solve. */
 dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
+
+/* Returns the status of a solve that ended with `status` and the best pair unsolved. */
+dls_status dlsi_global_verdict(const dls_global *work, dls_status status);
 
 /* ---- newton.c -------------------------------------------------------------------------------- */
 

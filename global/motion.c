@@ -27,7 +27,8 @@
  *   (GM4)  Check (GM1) by the numbers of the user, with b of largest entry 1:
  *            energy   |b^T K b| <= eps |b|^T |K| |b| in each connected body, in long double
  *            forces   |K b|_i <= 1e-12 (|K| |b|)_i
- *            b^T f    more than 1e-10 |b|^T |f|, |b| the largest of each body
+ *            b^T f    more than |b|^T (1e-10 |f'| + 64 eps (|f| + |K||x_own|)), |b| the largest of
+ *                     each body; f' = f, x_own = 0 where nothing is split off (loads.c)
  *            cones    within 100 eps of |H|^T |b| of the contact, |b| the largest of each body
  *
  * Why eps: storing an entry of K rounds it by eps / 2 of it, assembling it by as much again. Then
@@ -223,15 +224,20 @@ static int drift_is_soft(const drift *D) {
 static int drift_proves(drift *D) {
   const dls_global *work = D->global;
   const size_t n = (size_t)work->n;
-  double load = 0, turmoil = 0;
+  long double load = 0;
+  double turmoil = 0;
   dlsi_body_multiply(&work->model, D->b, D->y, D->a);
-  for (size_t j = 0; j < n; j++) {
+  for (size_t j = 0; j < n; j++)
     if (!(fabs(D->y[j]) <= balance * D->a[j])) return 0;
+  dlsi_body_multiply(&work->model, work->own, D->y, D->a);
+  for (size_t j = 0; j < n; j++) {
+    const double f = work->given ? work->given[j] : 0;
     if (drift_is_force(D, (int)j)) continue;
-    load += D->b[j] * work->f[j];
-    turmoil += D->size[work->part[j]] * fabs(work->f[j]);
+    load += (long double)D->b[j] * f;
+    turmoil += D->size[work->part[j]] *
+               (certain * fabs(work->f[j]) + 64 * DBL_EPSILON * (fabs(f) + D->a[j]));
   }
-  if (!(load > certain * turmoil) || !drift_is_soft(D)) return 0;
+  if (!(load > turmoil) || !drift_is_soft(D)) return 0;
   for (int c = 0; c < work->nc; c++) {
     double h[3], size;
     if (!(drift_misses(D, c, h, &size) <= slack * size)) return 0;

@@ -1,7 +1,8 @@
 /*
  * newton.c: Newton steps on K itself, d = 2 and 3.
  *
- * In round variables, with v = r_n - u_n, tau = r_t - u_t, R = mu max(0, v), the law is Alart and
+ * In round variables, with v = r_n - s u_n, tau = r_t - s u_t, s = 1 or, on the split problem, the
+ * splitting's rho if that is less (slips are 1e4 times reactions there), R = mu max(0, v), the law is Alart and
  * Curnier's equation of vi/newton.c. Its branches decide which part of a new r is known (t = tau /
  * |tau|, in 3D p = t turned by 90 degrees):
  *
@@ -9,7 +10,7 @@
  *          stick   |tau| <= R    r0 = r                              dr:           u = 0
  *          slip    otherwise     r0 = r_n (n + mu t) + (p.r_t) p     dr = a (n + mu t) + b p:
  *                                  u_n = 0  and, 3D,  p.u_t + l (p.r_t + b) = 0,
- *                                  l = (|tau| - R) / R
+ *                                  l = (|tau| - R) / (s R)
  *          slip, mu = 0          r0 = (r_n, 0)                       dr = a n:     u_n = 0
  *   (GN2)  | K + E   -H F      | |dx|   | f + H r0 - K x             |
  *          | G^T H^T  L + delta| |dy| = | -G^T u - (0 or l p.r_t)    |
@@ -53,6 +54,7 @@ typedef struct newton {
   int unknowns;      /* of contact */
   int spatial;       /* 1: some contact slips in 3D */
   double hold;       /* E of (GN2) is hold E */
+  double s;          /* of (GN1) */
 } newton;
 
 /* (GN1) Sets the branches; returns 1 if the unknowns have changed. */
@@ -63,11 +65,11 @@ static int newton_sort(newton *N, const double *r) {
   N->spatial = 0;
   for (int c = 0; c < work->nc; c++) {
     branch *b = &N->of[c], now = {.state = DLS_FREE, .first = first};
-    const double *rc = r + d * c, *uc = work->u + d * c, v = rc[0] - uc[0];
+    const double *rc = r + d * c, *uc = work->u + d * c, v = rc[0] - N->s * uc[0];
     const double R = dlsi_friction_bound(work->bend[c], v);
     double tau[3] = {0};
     for (int i = 1; i < d; i++)
-      tau[i] = rc[i] - uc[i];
+      tau[i] = rc[i] - N->s * uc[i];
     const double size = dlsi_tangent_norm(d, tau);
     if (v > 0 && work->bend[c] == 0) {
       now.state = DLS_SLIP;
@@ -82,7 +84,7 @@ static int newton_sort(newton *N, const double *r) {
         now.t[i] = tau[i] / size;
       now.p[1] = -now.t[2];
       now.p[2] = now.t[1];
-      now.l = R > least_beta * size ? (size - R) / R : 1 / least_beta;
+      now.l = (R > least_beta * size ? (size - R) / R : 1 / least_beta) / N->s;
       N->spatial |= d == 3;
     }
     first += now.count;
@@ -228,7 +230,8 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
 }
 
 dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_error *error) {
-  newton N = {.global = work, .hold = work->system->hold};
+  newton N = {
+      .global = work, .hold = work->system->hold, .s = work->is_split ? fmin(1, work->rho) : 1};
   dls_error why = {0};
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m +

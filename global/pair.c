@@ -96,7 +96,18 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
   dlsi_body_measure(&work->body, work->load, work->gap, work->mu, work->trial, work->x, work->look,
                     work->scratch, found);
   const double tol = work->limits->tol;
-  const dls_status verdict = dls_certificate_verdict(found, tol);
+  dls_status verdict = dls_certificate_verdict(found, tol);
+  if (verdict == DLS_STALLED && dlsi_global_can_split(work)) { /* (LO1) */
+    dls_certificate loose = *found;
+    dlsi_forces_loose(&work->body, work->scratch, &loose);
+    const dls_status then = dls_certificate_verdict(&loose, tol);
+    if (then != DLS_STALLED && (work->system || dlsi_max_abs(r, (size_t)work->m) > 0))
+      return dlsi_split_first;
+    if (then != DLS_STALLED) { /* a host's solver holds the bodies: all contacts are open */
+      *found = loose;
+      verdict = then;
+    }
+  }
   if (verdict != DLS_STALLED || dlsi_body_badness(found) < dlsi_body_badness(&work->best)) {
     work->best = *found;
     memcpy(work->best_r, work->trial, (size_t)work->m * sizeof *work->trial);

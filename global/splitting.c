@@ -38,6 +38,9 @@
  *          augmented Lagrangian (lagrangian.c) goes on. If it does not end the solve, the splitting
  *          goes on from the best pair; if it has halved the residual, (GL12) may be tried again
  *          after twice as many iterations.
+ *   (GL14) On the split problem (loads.c) g contains slips of the size of the body's own deformation,
+ *          far larger than what reactions do: rho starts at w^1/2 |f'| / |g'|, at most .35, and
+ *          becomes rho |r| / |rho z| if the residual has not halved and |rho z| > 30 |r|.
  *   (GL13) Ends when nothing has halved for 2000 iterations, or with the first NaN.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
@@ -49,7 +52,14 @@
 
 #include "global_internal.h"
 
-enum { measure_every = 10, first_look = 20, worth = 200, patience = 500, no_progress = 2000 };
+enum {
+  measure_every = 10,
+  first_look = 20,
+  most_unsplit = 40,
+  worth = 200,
+  patience = 500,
+  no_progress = 2000
+};
 
 static const double relaxation = 1.6;
 static const double most_growth = 2;          /* (GL6) */
@@ -59,6 +69,8 @@ static const double first_rho = 0.35;         /* of the local stiffness */
 static const double fast = 0.01;              /* (GL7): gain between looks at which rho stays */
 static const double slow = 0.1;               /* (GL12): gain that is too small for the splitting */
 static const double least_rho = 1e-8, most_rho = 100;
+static const double least_rho_split = 1e-11; /* (GL14) */
+static const double flight = 30;             /* (GL14): |rho z| over |r| */
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
@@ -115,7 +127,23 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
     turn = s->moves || s->still++ % 3 < 2 ? 1 : s->jump;
     if (turn != 1) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
   }
-  return fmin(fmax(work->rho * turn, least_rho), most_rho);
+  if (work->is_split && gain > 0.5) { /* a body that flies */
+    const double force = dlsi_norm2(work->r, (size_t)work->m);
+    const double slip = dlsi_norm2(work->z, (size_t)work->m);
+    if (force > 0 && slip > flight * force) turn = force / slip;
+  }
+  return fmin(fmax(work->rho * turn, work->is_split ? least_rho_split : least_rho), most_rho);
+}
+
+/* (GL14) */
+static double split_first_rho(const dls_global *work) {
+  double w = 0;
+  for (int c = 0; c < work->nc; c++)
+    w += work->w[2 * c] / work->nc;
+  const double force = sqrt(w) * dlsi_norm2(work->f, (size_t)work->n);
+  const double gap = dlsi_norm2(work->g, (size_t)work->m);
+  if (!work->is_split || !(gap > 0 && force > 0)) return first_rho;
+  return fmin(first_rho, fmax(least_rho_split, force / gap));
 }
 
 /* (GL7) Goes on with another rho from the same r and z. */
@@ -212,8 +240,7 @@ static int stands_still(const dls_certificate *now, schedule *s) {
   return still;
 }
 
-/* Returns the status of a solve that ends with the best pair unsolved. */
-static dls_status split_verdict(const dls_global *work, dls_status status) {
+dls_status dlsi_global_verdict(const dls_global *work, dls_status status) {
   const dls_certificate *c = &work->best;
   const double contact = c->residual_u > c->residual_r ? c->residual_u : c->residual_r;
   return c->equilibrium > dlsi_target(work->limits->tol, c->floor_e) &&
@@ -251,6 +278,9 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
     *end = 0;
     return DLS_STALLED;
   }
+  if (k >= most_unsplit && dlsi_global_can_split(work) &&
+      dlsi_forces_dwarf(&work->body, work->scratch))
+    return dlsi_split_first; /* (LO1) */
   if (newton_is_due(work, k, split_sort(work, p), &now, s)) {
     status = split_newton(work, k, s, error);
     if (status != DLS_STALLED) return status;
@@ -281,7 +311,7 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
     *end = 0;
     s->since = k;
   }
-  return *end ? split_verdict(work, DLS_STALLED) : DLS_STALLED;
+  return *end ? dlsi_global_verdict(work, DLS_STALLED) : DLS_STALLED;
 }
 
 dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
@@ -299,7 +329,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   dlsi_anderson_clear(&work->history);
   for (int c = 0; c < work->nc; c++)
     work->state[c] = -1;
-  work->rho = first_rho;
+  work->rho = split_first_rho(work);
   dlsi_global_ask(work, 1);
   dlsi_global_look(work, work->x, work->u);
   dls_status status = dlsi_global_measure(work, work->r, &now);
@@ -335,5 +365,5 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     split_advance(work, m > 0 && s.moves, gap, &accepted);
     if (adapt) status = split_adapt(work, k, gap, change, &s, error); /* (GL7) */
   }
-  return status ? status : split_verdict(work, DLS_MAX_ITERATIONS);
+  return status ? status : dlsi_global_verdict(work, DLS_MAX_ITERATIONS);
 }

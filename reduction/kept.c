@@ -95,6 +95,9 @@ dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_
 }
 
 void dlsi_kept_free(dlsi_kept *kept) {
+  dlsi_system_destroy(kept->system);
+  dlsi_columns_free(&kept->K);
+  dlsi_columns_free(&kept->H);
   free(kept->x);
   free(kept->scratch);
   free(kept->index);
@@ -106,4 +109,68 @@ void dlsi_kept_free(dlsi_kept *kept) {
 const dlsi_body *dlsi_kept_body(dlsi_kept *kept) {
   kept->body.model = kept->has_K ? &kept->model : NULL;
   return &kept->body;
+}
+
+/* ---- certify --------------------------------------------------------------------------------- */
+
+/* Makes the factor of K with weak contacts, once. */
+static dls_status kept_factor(dlsi_kept *kept, const dlsi_operator *H, dls_error *error) {
+  if (kept->system) return DLS_OK;
+  const int d = H->d;
+  dls_status status = dlsi_stiffness_columns(&kept->model, &kept->K, error);
+  if (!status) status = dlsi_operator_columns(H, d, DLSI_ALL, &kept->H, error);
+  for (int k = 0; !status && k < kept->H.cols; k++)
+    for (int e = kept->H.p[k]; e < kept->H.p[k + 1]; e++)
+      kept->H.x[e] /= sqrt(kept->w[2 * (k / d) + (k % d > 0)]);
+  dls_model K = kept->model;
+  K.operator_kind = DLS_STIFFNESS_SPARSE;
+  K.Ks = dlsi_columns_view(&kept->K);
+  const dls_sparse round = dlsi_columns_view(&kept->H);
+  if (!status) status = dlsi_system_create(&kept->system, &K, &round, d, NULL, error);
+  if (!status) status = dlsi_system_factor_apart(kept->system, dlsi_own_share, kept->part, error);
+  if (!status) return DLS_OK;
+  dlsi_system_destroy(kept->system);
+  dlsi_columns_free(&kept->K);
+  dlsi_columns_free(&kept->H);
+  kept->system = NULL;
+  kept->K = kept->H = (dlsi_columns){0};
+  return status;
+}
+
+static dls_status kept_solve(void *data, double *x, dls_error *error) {
+  return dlsi_system_solve(((dlsi_kept *)data)->system, x, error);
+}
+
+/* Returns 1 if a second look may show that the pair holds, or that it does not. */
+static int kept_is_open(dlsi_kept *kept, const double *r, double tol, int regular,
+                        const dls_certificate *found) {
+  const size_t m = (size_t)kept->body.d * (size_t)kept->body.nc;
+  const dls_status verdict = dls_certificate_verdict(found, tol);
+  if (4 * found->floor_e > fmax(tol, 1e-8)) return 1;
+  if (verdict != DLS_STALLED) return 0;
+  dls_certificate loose = *found;
+  dlsi_forces_loose(&kept->body, kept->scratch, &loose);
+  if (dls_certificate_verdict(&loose, tol) == DLS_STALLED) return 0;
+  return !regular || dlsi_max_abs(r, m) > 0;
+}
+
+dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const double *mu,
+                             const double *r, const double *x, double tol, int regular,
+                             dls_certificate *certificate, dls_error *error) {
+  const dlsi_body *body = dlsi_kept_body(kept);
+  dls_certificate found;
+  dlsi_body_measure(body, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found);
+  if (kept->has_K && !body->joint) {
+    if (kept_is_open(kept, r, tol, regular, &found)) {
+      const dlsi_own of = {body, kept_solve, kept};
+      dls_status status = kept_factor(kept, H, error);
+      if (!status)
+        status = dlsi_own_measure(&of, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found,
+                                  error);
+      if (status) return status;
+    } else if (regular && dlsi_max_abs(r, (size_t)H->d * (size_t)H->candidates) == 0)
+      dlsi_forces_loose(body, kept->scratch, &found);
+  }
+  *certificate = found;
+  return DLS_OK;
 }

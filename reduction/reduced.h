@@ -20,6 +20,11 @@ typedef struct dlsi_reduced {
 
 dlsi_reduced dlsi_reduction_body(dls_reduction *reduction);
 
+/* Works as dls_reduction_certify, and looks closer if the pair does not hold at `tol`. */
+dls_status dlsi_reduction_certify(dls_reduction *reduction, const double *mu, const double *r,
+                                  const double *x, double tol, double *u,
+                                  dls_certificate *certificate, dls_error *error);
+
 /* Keeps an object that belongs to these values of K and H: until the next update, or without W
  * until destroy. */
 void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *));

@@ -855,6 +855,9 @@ dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r, 
 
 /* ---- the certificate of the body ------------------------------------------------------------- */
 
+static const double usual_tol = 1e-8;      /* of dls_reduction_certify, which has none of its own */
+static const double most_condition = 1e10; /* of a K that holds its bodies for certain */
+
 /* Sets the weights of a reduction without K to those of W. */
 static void reduction_weigh(dls_reduction *work) {
   const int m = (int)work->m;
@@ -863,29 +866,37 @@ static void reduction_weigh(dls_reduction *work) {
 }
 
 static dls_status reduction_certify(dls_reduction *work, const double *mu, const double *r,
-                                    const double *x, double *u, dls_certificate *certificate,
-                                    dls_error *error) {
+                                    const double *x, double tol, double *u,
+                                    dls_certificate *certificate, dls_error *error) {
   dls_status status = reduction_given(work, r, "certificate", certificate, error);
   if (!status) status = dlsi_check_vector("x", x, work->n, error);
   if (!mu) mu = work->mu;
   if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
   if (status) return status;
-  const dlsi_body *body = dlsi_kept_body(&work->kept);
   reduction_weigh(work);
-  dlsi_body_measure(body, work->kept.f, work->kept.gap, mu, r, x, work->kept.u, work->kept.scratch,
-                    certificate);
+  const int regular =
+      !is_on_K(work) && work->modes.count == 0 && work->info.condition <= most_condition;
+  status = dlsi_kept_certify(&work->kept, &work->H, mu, r, x, tol, regular, certificate, error);
+  if (status) return status;
   if (u) memcpy(u, work->kept.u, work->m * sizeof *u);
   return DLS_OK;
+}
+
+dls_status dlsi_reduction_certify(dls_reduction *reduction, const double *mu, const double *r,
+                                  const double *x, double tol, double *u,
+                                  dls_certificate *certificate, dls_error *error) {
+  const dls_status status = reduction_enter(reduction, error);
+  if (status) return status;
+  return dlsi_leave(&reduction->busy,
+                    reduction_certify(reduction, mu, r, x, tol, u, certificate, error));
 }
 
 dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu, const double *r,
                                  const double *x, double *u, dls_certificate *certificate,
                                  dls_error *error) {
   DLSI_DOOR;
-  dls_status status = reduction_enter(reduction, error);
-  if (!status)
-    status =
-        dlsi_leave(&reduction->busy, reduction_certify(reduction, mu, r, x, u, certificate, error));
+  const dls_status status =
+      dlsi_reduction_certify(reduction, mu, r, x, usual_tol, u, certificate, error);
   return dlsi_at(__func__, status, error);
 }
 

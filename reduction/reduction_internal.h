@@ -14,7 +14,9 @@
 #include "base/columns.h"
 #include "delassus/reduction.h"
 #include "linear/operator.h"
+#include "linear/own.h"
 #include "linear/schur.h"
+#include "linear/system.h"
 
 enum {
   dlsi_batch = 64,         /* most right-hand sides in one solve; more are not faster */
@@ -89,6 +91,8 @@ typedef struct dlsi_kept {
   double *scratch;   /* of the measure */
   int *index, *part; /* part: 3 n, with joints and pieces */
   double *memory;
+  dlsi_columns K, H; /* of system, which is made when a certificate first needs it */
+  dlsi_system *system;
 } dlsi_kept;
 
 /* Copies K, finds the bodies and the weights. H is borrowed. The caller calls dlsi_kept_free, also
@@ -96,6 +100,14 @@ typedef struct dlsi_kept {
 dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
                             dls_error *error);
 void dlsi_kept_free(dlsi_kept *kept);
+
+/* Certifies (x, r) for the last load, and for u = H^T x + g in kept->u. Looks behind loads that
+ * balance in themselves and behind rounding (linear/own.h) if the pair does not hold at `tol`
+ * without. regular: K is known to be held: without reactions there is nothing to look behind.
+ * DLS_E_MEMORY, DLS_E_SINGULAR, DLS_E_UNSUPPORTED. */
+dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const double *mu,
+                             const double *r, const double *x, double tol, int regular,
+                             dls_certificate *certificate, dls_error *error);
 
 /* Returns the body, which lives where *kept does. */
 const dlsi_body *dlsi_kept_body(dlsi_kept *kept);

@@ -27,6 +27,8 @@ typedef struct dlsi_body {
   const int *joint; /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
   const int *piece; /* n, where there are joints: dlsi_body_pieces */
   int parts, pieces;
+  const double *balanced; /* parts: |f| of a body whose loads balance in themselves and have been split
+                             off, the scale of its rounding while no contact presses it; NULL: 0 */
 } dlsi_body;
 
 /* Finds entry *at = 0, 1, .. of column j that counts: all, or those of the lower triangle of a
@@ -85,6 +87,14 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
 /* Sets equilibrium, floor_e, unbalanced and body of *found, after dlsi_forces_sum. */
 void dlsi_forces_measure(const dlsi_body *body, const double *f, const double *x,
                          const dlsi_forces *of, dls_certificate *found);
+
+/* Returns 1 if the loads of some body are more than 100 times its contact forces; after
+ * dlsi_body_measure with this `work`. */
+int dlsi_forces_dwarf(const dlsi_body *body, double *work);
+
+/* Replaces equilibrium and floor_e of *found by (EB2) with all of |f| in the scale, after
+ * dlsi_body_measure with this `work`. Does nothing with joints. */
+void dlsi_forces_loose(const dlsi_body *body, double *work, dls_certificate *found);
 
 /* ---- the measure ----------------------------------------------------------------------------- */
 

@@ -2,12 +2,18 @@
  * equilibrium.c: the part of the certificate for balance of forces and for joints.
  *
  *   (EB1)  e = K x - f - H r,   a = |K||x| + |f| + |H||r|
- *   (EB2)  of a connected body     |e| / s,   s = |f| + |H||r|, but at least 1e-12 of the largest s
+ *   (EB2)  of a connected body     |e| / s,   s = |H||r| + min(|f|, 100 |H||r|), but at least 1e-12 of
+ *          the largest s; s = |f| + |H||r| if no contact touches the body; s = |f| of before the
+ *          split (body->balanced) where f' and |H||r| are below 1e-12 of it
  *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H||r| + |G l|, but at
  *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints
  *   (EB4)  of the joints of these bodies   |G^T x - b| / s_l,   s_l = | |G|^T y + |b| |
  *          y_j = max(|x_j|, (|f| + |H||r| + |G l|)_j / K_jj): a displacement, or an indentation
  *   (EB5)  floor_e: eps |a| / s, in (EB3) with the largest |a| of these bodies; eps in (EB4)
+ *
+ * Loads of more than 100 |H||r| balance in themselves for the most part, and measure no reaction:
+ * (EB2) with all of |f| is `loose`. If only that holds, the body's own deformation has to be split
+ * off (linear/own.h).
  *
  * A body without any load contains the rounding of others: hence the 1e-12. A joint's row is a
  * length: forces do not measure it. A light body is not hidden by the heavy one that a joint
@@ -23,8 +29,11 @@
 
 static const double least_load = 1e-12; /* (EB2) */
 static const double least_share = 1e-4; /* (EB3) */
+static const double most_load = 100;    /* (EB2) */
 
-enum { kinds = 5 }; /* e, a, f, |H||r|, G l of a row; e, 0, s_l, 0, 0 of a joint */
+/* e, a, f, |H||r|, G l of a row; e, 0, s_l, 0, 0 of a joint; without joints, 1 in place of G l where
+ * a contact touches the unknown */
+enum { kinds = 5 };
 
 /* Returns the number of groups of rows that are measured separately. */
 static size_t forces_groups(const dlsi_body *body) {
@@ -119,9 +128,9 @@ static void forces_of_joints(const dlsi_body *body, const double *f, const doubl
   forces_couple(body, x, of, couple_lengths);
 }
 
-/* The measures of a group of rows. */
+/* The measures of a group of rows. load: with all of |f|; held: s of (EB2). */
 typedef struct group {
-  double e, a, load;
+  double e, a, load, held;
 } group;
 
 /* Sums up norms of all groups in of->sums: pieces first, then the joints of each part. */
@@ -135,7 +144,7 @@ static void forces_collect(const dlsi_body *body, const double *f, const dlsi_fo
       const size_t part = (size_t)body->part[j];
       const size_t g = kinds * (joint || !body->joint ? first + part : (size_t)body->piece[j]);
       const double row[kinds] = {of->e[j], of->ae[j], f ? f[j] : 0, of->Hr[j],
-                                 body->joint ? of->pull[j] : 0};
+                                 body->joint ? of->pull[j] : body->Ht.p[j] < body->Ht.p[j + 1]};
       const double length[kinds] = {of->e[j], 0, joint ? of->reach[j] : 0, 0, 0};
       const double *v = joint ? length : row;
       for (size_t k = 0; k < kinds; k++) {
@@ -152,7 +161,12 @@ static group forces_group(const dlsi_body *body, const dlsi_forces *of, size_t g
   double norm[kinds];
   for (size_t k = 0; k < kinds; k++)
     norm[k] = most[k] > 0 ? most[k] * sqrt(sum[k]) : most[k];
-  return (group){norm[0], norm[1], norm[2] + norm[3] + norm[4]};
+  if (body->joint)
+    return (group){norm[0], norm[1], norm[2] + norm[3] + norm[4], norm[2] + norm[3] + norm[4]};
+  const double load = norm[2] + norm[3], itself = body->balanced ? body->balanced[g] : 0;
+  double held = norm[4] > 0 ? norm[3] + fmin(norm[2], most_load * norm[3]) : load;
+  if (load <= least_load * itself) held = itself;
+  return (group){norm[0], norm[1], load, held};
 }
 
 /* Returns the largest load of the groups `from` <= g < `end`. */
@@ -174,15 +188,39 @@ static int forces_take(double e, double a, double load, dls_certificate *found) 
   return 1;
 }
 
-/* (EB2) */
-static void forces_of_bodies(const dlsi_body *body, const dlsi_forces *of, dls_certificate *found) {
-  const double least = least_load * forces_largest(body, of, 0, (size_t)body->parts);
-  for (int p = 0; p < body->parts; p++) {
-    const group of_body = forces_group(body, of, (size_t)p);
-    if (!forces_take(of_body.e, of_body.a, fmax(of_body.load, least), found)) continue;
-    found->unbalanced = of_body.e;
-    found->body = p;
+/* (EB2), with all of |f| if loose. */
+static void forces_of_bodies(const dlsi_body *body, const dlsi_forces *of, int loose,
+                             dls_certificate *found) {
+  const size_t parts = (size_t)body->parts;
+  double least = 0;
+  for (size_t p = 0; p < parts; p++) {
+    const group of_body = forces_group(body, of, p);
+    forces_raise(&least, least_load * (loose ? of_body.load : of_body.held));
   }
+  for (size_t p = 0; p < parts; p++) {
+    const group of_body = forces_group(body, of, p);
+    const double s = fmax(loose ? of_body.load : of_body.held, least);
+    if (!forces_take(of_body.e, of_body.a, s, found)) continue;
+    found->unbalanced = of_body.e;
+    found->body = (int)p;
+  }
+}
+
+int dlsi_forces_dwarf(const dlsi_body *body, double *work) {
+  const dlsi_forces of = dlsi_forces_in(body, work + 4 * (size_t)body->d * (size_t)body->nc);
+  for (int p = 0; p < body->parts && !body->joint; p++) {
+    const group g = forces_group(body, &of, (size_t)p);
+    if (g.held < g.load) return 1;
+  }
+  return 0;
+}
+
+void dlsi_forces_loose(const dlsi_body *body, double *work, dls_certificate *found) {
+  const dlsi_forces of = dlsi_forces_in(body, work + 4 * (size_t)body->d * (size_t)body->nc);
+  if (body->joint || !(body->model || body->multiply)) return;
+  found->equilibrium = found->floor_e = 0;
+  forces_of_bodies(body, &of, 1, found);
+  found->residual = fmax(fmax(found->residual_u, found->residual_r), found->equilibrium);
 }
 
 /* (EB3), (EB4) First sets the largest load and a of each part, in place of the pieces' sums. */
@@ -224,5 +262,5 @@ void dlsi_forces_measure(const dlsi_body *body, const double *f, const double *x
   if (body->joint)
     forces_of_pieces(body, of, found);
   else
-    forces_of_bodies(body, of, found);
+    forces_of_bodies(body, of, 0, found);
 }

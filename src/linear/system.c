@@ -16,11 +16,70 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "global_internal.h"
 #include "linear/dissection.h"
+#include "linear/system.h"
 
 static const double soft = 1e-8;
 static const double rounding = 1e-13;
+
+/* Adds up the entries of column j that count into sum (n, 0 elsewhere), and lists their rows.
+ * mark: n, j where a row is listed. Returns their number. */
+static int column_gather(const dls_model *model, int j, double *sum, int *mark, int *rows) {
+  const int lower = model->factorization != DLS_LU;
+  const int dense = model->operator_kind == DLS_STIFFNESS_DENSE;
+  const int from = dense ? 0 : model->Ks.p[j], end = dense ? model->n : model->Ks.p[j + 1];
+  int count = 0;
+  for (int k = from; k < end; k++) {
+    const int i = dense ? k : model->Ks.i[k];
+    if (lower && i < j) continue;
+    const double v =
+        dense ? model->K.a[(size_t)k + (size_t)j * (size_t)model->K.ld] : model->Ks.x[k];
+    if (dense && v == 0) continue;
+    if (mark[i] != j) {
+      mark[i] = j;
+      sum[i] = 0;
+      rows[count++] = i;
+    }
+    sum[i] += v;
+  }
+  return count;
+}
+
+dls_status dlsi_stiffness_columns(const dls_model *model, dlsi_columns *out, dls_error *error) {
+  const size_t n = (size_t)model->n;
+  *out = (dlsi_columns){0};
+  double *sum = dlsi_alloc(n, sizeof *sum);
+  int *mark = dlsi_alloc(2 * n, sizeof *mark), *rows = mark ? mark + n : NULL;
+  dls_status status = sum && mark ? DLS_OK : dlsi_no_memory(error);
+  for (int turn = 0; !status && turn < 2; turn++) {
+    size_t entries = 0;
+    for (size_t k = 0; k < n; k++)
+      mark[k] = -1;
+    for (int j = 0; !status && j < model->n; j++) {
+      const int count = column_gather(model, j, sum, mark, rows);
+      for (int k = 0; turn && k < count; k++) {
+        const size_t at = entries + (size_t)k;
+        out->i[at] = rows[k];
+        out->x[at] = sum[rows[k]];
+        if (!(fabs(sum[rows[k]]) <= DBL_MAX))
+          status = dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", j, sum[rows[k]],
+                             "entries of one place in this column add up to %g", sum[rows[k]]);
+      }
+      if (turn) out->p[j] = (int)entries;
+      entries += (size_t)count;
+    }
+    if (status) break;
+    if (turn)
+      out->p[n] = (int)entries;
+    else if (entries > INT_MAX)
+      status = dlsi_fail(error, DLS_E_SIZE, "K", -1, (double)entries, "too many entries");
+    else
+      status = dlsi_columns_alloc(model->n, model->n, (int)entries, out, error);
+  }
+  free(sum);
+  free(mark);
+  return status;
+}
 
 /* Lists the entries of H M H^T, M block diagonal, at rows, columns, values (NULL: only counts); if
  * `half`, of one triangle, upper or lower. M couples the tangents of a contact, d = 3. M is as in
@@ -137,12 +196,16 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
   return status;
 }
 
-/* x := the values of A, with M in place of rho if M is not NULL. */
-static void system_values(dlsi_system *work, double rho, const double *M) {
+/* x := the values of A, with M in place of rho if M is not NULL, without what H H^T adds between two
+ * bodies if part is not NULL. */
+static void system_values(dlsi_system *work, double rho, const double *M, const int *part) {
   memcpy(work->x, work->K, work->of_K * sizeof *work->x);
   if (M) (void)system_list(&work->H, work->d, work->symmetric, M, NULL, NULL, work->x + work->of_K);
   for (size_t k = 0; !M && k < work->of_H; k++)
-    work->x[work->of_K + k] = rho * work->h[k];
+    work->x[work->of_K + k] =
+        part && part[work->row[work->of_K + k] - 1] != part[work->col[work->of_K + k] - 1]
+            ? 0
+            : rho * work->h[k];
   for (size_t k = 0; k < (size_t)work->n; k++)
     work->x[work->of_K + work->of_H + k] = work->hold * work->e[k];
 }
@@ -177,10 +240,11 @@ static dls_status system_lu(dlsi_system *work, dls_error *error) {
   return status;
 }
 
-dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
+dls_status dlsi_system_factor_apart(dlsi_system *work, double rho, const int *part,
+                                    dls_error *error) {
   const double held = work->hold;
   for (int turn = 0; work->definite && turn < 2; turn++) {
-    system_values(work, rho, NULL);
+    system_values(work, rho, NULL, part);
     const int answer = system_cholesky(work, error);
     if (answer <= 0) return (dls_status)answer;
     if (work->hold > 0) break;
@@ -190,12 +254,12 @@ dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
     work->definite = 0;
     work->hold = held;
   }
-  system_values(work, rho, NULL);
+  system_values(work, rho, NULL, part);
   dls_error why = {0};
   dls_status status = system_lu(work, &why);
   if (status == DLS_E_SINGULAR && work->hold == 0) {
     work->hold = soft;
-    system_values(work, rho, NULL);
+    system_values(work, rho, NULL, part);
     status = system_lu(work, &why);
   }
   if (status == DLS_E_SINGULAR)
@@ -204,12 +268,16 @@ dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
   return status;
 }
 
+dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
+  return dlsi_system_factor_apart(work, rho, NULL, error);
+}
+
 dls_status dlsi_system_factor_weighted(dlsi_system *work, const double *M, dls_error *error) {
   const double held = work->hold;
   int answer = 1;
   for (int turn = 0; work->definite && answer > 0 && turn < 2; turn++) {
     if (turn) work->hold = soft;
-    system_values(work, 1, M);
+    system_values(work, 1, M, NULL);
     answer = system_cholesky(work, error);
   }
   work->hold = held;

@@ -1,0 +1,10 @@
+/* solved.h: gives the front what it needs to know of the last solve on K. */
+#ifndef DLSI_SOLVED_H
+#define DLSI_SOLVED_H
+
+#include "delassus/global.h"
+
+/* Returns 1 if the certificate is of the split problem (loads.c): x, rounded to doubles, hides it. */
+int dlsi_global_is_split(const dls_global *global);
+
+#endif
