@@ -224,6 +224,9 @@ struct dls_mpi_reduction {
   dls_mpi_info info;
 };
 
+/* work->b := K^-1 f on all ranks. Errors of dlsi_mpi_recover. */
+dls_status dlsi_mpi_own(dls_mpi_reduction *work, dls_error *error);
+
 /* Computes x := K^-1 (f + H r) on every rank. r: m; x: n, of all ranks. Collective. */
 dls_status dlsi_mpi_recover(dls_mpi_reduction *work, const double *r, double *x, dls_error *error);
 

@@ -416,6 +416,13 @@ dls_status dlsi_mpi_recover(dls_mpi_reduction *work, const double *r, double *x,
   return DLS_OK;
 }
 
+dls_status dlsi_mpi_own(dls_mpi_reduction *work, dls_error *error) {
+  memcpy(work->b, work->f, (size_t)work->of.n * sizeof *work->b);
+  const dls_status status = reduction_solve(work, work->b, error);
+  if (!status) (void)MPI_Bcast(work->b, work->of.n, MPI_DOUBLE, 0, work->of.grid.all);
+  return status;
+}
+
 static dls_status reduction_recover(dls_mpi_reduction *work, const double *r, double *x,
                                     dls_error *error) {
   const int own = work->of.d * work->of.own;
