@@ -387,6 +387,7 @@ check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 .PHONY: check-names
 check-names:
 	@tests/check_names.sh
+	@tests/check_public.sh
 
 # flags that make a wrong library are refused; FLAGS=all: other flags and compilers without a warning, too
 .PHONY: check-flags
@@ -720,7 +721,7 @@ uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-files.a libdelassus-fe.a libdelassus-mpi.a \
 	  $(foreach so,$(addsuffix .so,libdelassus libdelassus-files libdelassus-mpi),$(so) $(so).$(SOVERSION) $(so).$(VERSION)) \
 	  $(addprefix pkgconfig/,delassus.pc delassus-files.pc delassus-mpi.pc)) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
-	  $(addprefix $(DATADIR)/man/man1/,$(MAN1)) $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
+	  $(addprefix $(DATADIR)/man/man1/,$(MAN1) delassus-mpi.1) $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
 	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
