@@ -156,6 +156,7 @@ help:
 	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
+	@echo 'make check-abi       functions, structs and constants beside tests/abi.txt; make abi writes that'
 	@echo 'make check-flags     flags that make a wrong library are refused; FLAGS=all: other flags and compilers, too'
 	@echo 'make check-cross     the core for other processors under qemu; ARCHS="i386 arm64"'
 	@echo 'make check-plain     a build with HDF5=0 MUMPS=0 OPENMP=, and the tests of what that changes'
@@ -380,6 +381,13 @@ check-symbols: $(SO) $(A) $(FILES_SO) $(FILES)
 	@tests/check_symbols.sh $(SO) $(A)
 	@tests/check_symbols.sh $(FILES_SO) $(FILES)
 
+# what compiled hosts rely on, beside the table tests/abi.txt; make abi writes the table
+.PHONY: check-abi abi
+check-abi: $(SO) $(FILES_SO)
+	@CC='$(CC)' tests/abi.sh $(BUILD)
+abi: $(SO) $(FILES_SO)
+	@CC='$(CC)' tests/abi.sh $(BUILD) write
+
 .PHONY: check-arrows
 check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 	@tests/check_arrows.sh $(BUILD)
@@ -404,7 +412,7 @@ check-cross:
 # processors; MPI; sanitizers; ten minutes of fuzz for each target. Hours. The first failure ends it, and is named
 .PHONY: check-all
 PEER_BENCHES = global lemke motion reduction regret scale solvers
-CHECK_ALL = check '$(addprefix $(BUILD)/bench/,$(PEER_BENCHES))' 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
+CHECK_ALL = check check-abi '$(addprefix $(BUILD)/bench/,$(PEER_BENCHES))' 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
   'check-mpi BUILD=$(BUILD)/mpi MPI=1' \
   'check-install BUILD=$(BUILD)/mpi MPI=1' 'check-hosts BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian check-docs
 check-all:
