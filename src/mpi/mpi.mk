@@ -60,14 +60,15 @@ $(if $(shell command -v $(MPICC)),,$(error MPI=1 needs $(MPICC) and more: run .c
 
 install: install-mpi
 .PHONY: install-mpi
-install-mpi: $(MPI_A) $(MPI_SO) $(MPI_PROGRAM)
-	install -d $(addprefix $(DESTDIR),$(LIBDIR)/pkgconfig $(PREFIX)/bin $(DOCDIR)/examples/mpi)
+install-mpi: $(MPI_A) $(MPI_SO) $(MPI_PROGRAM) $(PROGRAM)
+	install -d $(addprefix $(DESTDIR),$(LIBDIR)/pkgconfig $(PREFIX)/bin $(DATADIR)/man/man1 $(DOCDIR)/examples/mpi)
 	install -m 644 $(MPI_A) $(DESTDIR)$(LIBDIR)/
 	install -m 755 $(MPI_SO).$(VERSION) $(DESTDIR)$(LIBDIR)/
 	for link in $(notdir $(MPI_SO) $(MPI_SO).$(SOVERSION)); do \
 	  ln -sf $(notdir $(MPI_SO)).$(VERSION) $(DESTDIR)$(LIBDIR)/$$link; done
 	$(FILL) src/delassus-mpi.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus-mpi.pc
 	install -m 755 $(MPI_PROGRAM) $(DESTDIR)$(PREFIX)/bin/
+	docs/man.sh delassus-mpi.1 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/delassus-mpi.1
 	install -m 644 examples/mpi/*.c $(DESTDIR)$(DOCDIR)/examples/mpi/
 
 .PHONY: bench-mpi-global
