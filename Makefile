@@ -18,6 +18,7 @@ FC = gfortran
 endif
 PYTHON ?= $(shell for p in python3 /usr/bin/python3; do $$p -c 'import numpy, scipy' 2>/dev/null && echo $$p && break; done)
 AR ?= ar
+OBJCOPY ?= $(shell $(CC) -print-prog-name=objcopy)
 BUILD ?= build
 PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
@@ -57,7 +58,10 @@ HDF5_CFLAGS += -DDLS_WITH_HDF5
 endif
 ifeq ($(MUMPS),1)
 MUMPS_CFLAGS ?= -isystem /usr/include/mumps_seq
-MUMPS_LIBS ?= -ldmumps_seq -lmetis
+# the sequential MUMPS, static: it goes into libdelassus under one hidden name
+MUMPS_A ?= $(foreach part,dmumps mumps_common pord mpiseq,$(shell $(CC) -print-file-name=lib$(part)_seq.a))
+MUMPS_O := $(BUILD)/obj/mumps.o
+MUMPS_LIBS ?= -l:libgfortran.so.5 -lmetis
 endif
 # sweeps on several threads, where the compiler has OpenMP; OPENMP= leaves it out
 ifeq ($(origin OPENMP),undefined)
@@ -73,8 +77,9 @@ CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 MPI ?= 0
 ifeq ($(MPI),1)
 MPICC ?= mpicc
-MPI_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(MPICC) --showme:compile)) -DDLSI_MPI
-MPI_LIBS := -ldmumps -lscalapack-openmpi -lmetis $(shell $(MPICC) --showme:link)
+MPI_INCLUDES := $(shell $(MPICC) --showme:compile)
+MPI_CFLAGS := $(patsubst -I%,-isystem %,$(MPI_INCLUDES)) -DDLSI_MPI
+MPI_LIBS := -ldmumps -lscalapack-openmpi $(shell $(MPICC) --showme:link)
 endif
 
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
@@ -94,7 +99,7 @@ ALL_C = $(LIB_SRC) $(FILES_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildc
 ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h global/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
-LIB_OBJ := $(call obj,$(LIB_SRC))
+LIB_OBJ := $(call obj,$(LIB_SRC)) $(MUMPS_O)
 # files and fe are libraries of their own: each carries the hidden functions that it shares with libdelassus
 base_obj = $(patsubst %,$(BUILD)/obj/src/base/%.o,status memory number check columns environment utf8 $(1))
 FILES_OBJ := $(call obj,$(FILES_SRC)) $(call base_obj,bodies entries joints lock model)
@@ -139,7 +144,7 @@ help:
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
 	@echo 'make docs        the guide as HTML with a search, build/docs/html (Doxygen)'
 	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
-	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
+	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; PETSc and deal.II with a MUMPS of their own; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
@@ -151,6 +156,7 @@ help:
 	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
+	@echo 'make check-abi       functions, structs and constants beside tests/abi.txt; make abi writes that'
 	@echo 'make check-flags     flags that make a wrong library are refused; FLAGS=all: other flags and compilers, too'
 	@echo 'make check-cross     the core for other processors under qemu; ARCHS="i386 arm64"'
 	@echo 'make check-plain     a build with HDF5=0 MUMPS=0 OPENMP=, and the tests of what that changes'
@@ -197,6 +203,17 @@ $(BUILD)/obj/%.o: %.c Makefile
 $(BUILD)/obj/src/base/products.o: CFLAGS += -O3
 $(BUILD)/obj/src/base/parallel.o: CFLAGS_ALL += $(OPENMP)
 
+# MUMPS of our own, whatever MUMPS and MPI the host has (docs/decisions.md): its entry gets the name dlsi_dmumps, all
+# other names become local. Its calls of SCOTCH, which no order of ours needs, may stay without a target
+$(MUMPS_O): $(MUMPS_A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) -r -nostdlib -Wl,-d -Wl,--undefined=dmumps_c -o $@ $(MUMPS_A)
+	$(Q)$(OBJCOPY) --redefine-sym dmumps_c=dlsi_dmumps --keep-global-symbol=dlsi_dmumps \
+	  --wildcard --weaken-symbol='SCOTCH_*' --weaken-symbol='scotchf*' --weaken-symbol='esmumps*' $@
+$(filter-out /%,$(MUMPS_A)):
+	@echo '$@ is missing: MUMPS is linked as static archives (Debian: libmumps-seq-dev). MUMPS=0 builds without it'; exit 1
+
 # the headers whose structs layout.c tells to other languages
 LAYOUT_H := $(shell sed -n 's|^.include "\(delassus/.*\)"|include/\1|p' include/delassus.h)
 $(BUILD)/layout/layout.inc: src/front/layout.awk include/delassus.h $(LAYOUT_H)
@@ -220,7 +237,7 @@ $(FILES_SO).$(VERSION): $(FILES_OBJ) src/files/files.map
 	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus-files.so.$(SOVERSION) \
 	  -Wl,--version-script=src/files/files.map -o $@ $(FILES_OBJ) $(FILES_LIBS)
 
-$(SO) $(FILES_SO): %: %.$(VERSION)
+$(SO) $(FILES_SO) $(MPI_SO): %: %.$(VERSION)
 	@ln -sf $(<F) $@.$(SOVERSION)
 	@ln -sf $(<F) $@
 
@@ -269,9 +286,10 @@ $(BUILD)/examples/%: examples/%.c $(FE) $(FILES) $(A)
 
 # what test programs share
 TEST_HELPERS := $(call obj,$(wildcard tests/shared/*.c))
-# malloc and calloc of our own code go through the wrappers of tests/shared/malloc_fails.c, its errors
+# malloc and calloc of our own code (not of MUMPS) go through the wrappers of tests/shared/malloc_fails.c, its errors
 # through the one of tests/shared/errors.c
-WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=dlsi_fail
+WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc dlsi_dmumps dlsi_fail)
+comma = ,
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(FILES) $(A)
 	@mkdir -p $(@D)
@@ -363,6 +381,13 @@ check-symbols: $(SO) $(A) $(FILES_SO) $(FILES)
 	@tests/check_symbols.sh $(SO) $(A)
 	@tests/check_symbols.sh $(FILES_SO) $(FILES)
 
+# what compiled hosts rely on, beside the table tests/abi.txt; make abi writes the table
+.PHONY: check-abi abi
+check-abi: $(SO) $(FILES_SO)
+	@CC='$(CC)' tests/abi.sh $(BUILD)
+abi: $(SO) $(FILES_SO)
+	@CC='$(CC)' tests/abi.sh $(BUILD) write
+
 .PHONY: check-arrows
 check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 	@tests/check_arrows.sh $(BUILD)
@@ -370,6 +395,7 @@ check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 .PHONY: check-names
 check-names:
 	@tests/check_names.sh
+	@tests/check_public.sh
 
 # flags that make a wrong library are refused; FLAGS=all: other flags and compilers without a warning, too
 .PHONY: check-flags
@@ -386,10 +412,11 @@ check-cross:
 # processors; MPI; sanitizers; ten minutes of fuzz for each target. Hours. The first failure ends it, and is named
 .PHONY: check-all
 PEER_BENCHES = global lemke motion reduction regret scale solvers
-CHECK_ALL = check '$(addprefix $(BUILD)/bench/,$(PEER_BENCHES))' 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
-  'check-mpi BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian check-docs
+CHECK_ALL = check check-abi '$(addprefix $(BUILD)/bench/,$(PEER_BENCHES))' 'check-flags FLAGS=all' 'check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=' \
+  'check-mpi BUILD=$(BUILD)/mpi MPI=1' \
+  'check-install BUILD=$(BUILD)/mpi MPI=1' 'check-hosts BUILD=$(BUILD)/mpi MPI=1' asan valgrind sequences names 'threads RUNS=5' 'fuzz FUZZ_SECONDS=600' check-cross check-debian check-docs
 check-all:
-	@$(DEPS) bench checks debian languages mpi pictures
+	@$(DEPS) bench checks debian hosts languages mpi pictures
 	@for part in $(CHECK_ALL); do echo "check-all: make $$part"; \
 	  $(MAKE) --no-print-directory $$part || { echo "check-all: FAILED: make $$part"; exit 1; }; done; \
 	  echo 'check-all: every part passed'
@@ -465,8 +492,8 @@ $(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(FILES) $(A)
 	$(Q)$(CC) $(SANITIZE) $(FUZZ_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 # every k-th call of malloc, open, fsync, rename, close fails
-FAULT_WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free fopen open fdopen fsync rename fclose)
-comma = ,
+FAULT_WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free dlsi_dmumps fopen open fdopen fsync rename fclose)
+$(call obj,tests/torment/faults.c): CPP_OF += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
 $(BUILD)/tests/torment/faults: $(call obj,tests/torment/faults.c) $(BUILD)/obj/tests/torment/main.o $(FUZZ_CLI) $(FE) $(FILES) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
@@ -528,7 +555,7 @@ $(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
-$(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
+$(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack -ldmumps_seq
 $(BUILD)/bench/%:
 	@mkdir -p $(@D)
 	$(call say,LINK)
@@ -650,7 +677,7 @@ DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 GUIDE := $(filter-out docs/contributing.md docs/decisions.md docs/source.md,$(wildcard docs/*.md))
 ZSHDIR ?= $(DATADIR)/zsh/site-functions
 FISHDIR ?= $(DATADIR)/fish/vendor_completions.d
-FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|'
+FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|' -e 's|@MPI_LIBS@|$(MPI_CORE_LIBS)|' -e 's|@MPI_CFLAGS@|$(MPI_INCLUDES)|'
 
 # the guide as HTML with a search, $(BUILD)/docs/html/index.html; installed by `make install` once it is there
 .PHONY: docs docs-html
@@ -700,14 +727,15 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 .PHONY: uninstall
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-files.a libdelassus-fe.a libdelassus-mpi.a \
-	  $(foreach so,$(notdir $(SO) $(FILES_SO)),$(so) $(so).$(SOVERSION) $(so).$(VERSION)) pkgconfig/delassus.pc pkgconfig/delassus-files.pc) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
-	  $(addprefix $(DATADIR)/man/man1/,$(MAN1)) $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
+	  $(foreach so,$(addsuffix .so,libdelassus libdelassus-files libdelassus-mpi),$(so) $(so).$(SOVERSION) $(so).$(VERSION)) \
+	  $(addprefix pkgconfig/,delassus.pc delassus-files.pc delassus-mpi.pc)) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
+	  $(addprefix $(DATADIR)/man/man1/,$(MAN1) delassus-mpi.1) $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
 	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
 .PHONY: check-install
 check-install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM)
-	@MAKE='$(MAKE)' CC='$(CC)' CXX='$(CXX)' FC='$(FC)' PYTHON='$(PYTHON)' tests/install.sh $(BUILD)
+	@MAKE='$(MAKE)' MPI='$(MPI)' CC='$(CC)' CXX='$(CXX)' FC='$(FC)' PYTHON='$(PYTHON)' tests/install.sh $(BUILD)
 
 # the wheel, the source package and an editable install of Python, without network; mypy
 .PHONY: check-packages
@@ -734,8 +762,9 @@ check-links: all
 .PHONY: check-hosts
 check-hosts:
 	@$(DEPS) hosts
-	@$(MAKE) --no-print-directory $(SO) $(PROGRAM)
+	@$(MAKE) --no-print-directory all
 	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
+	@CC='$(CC)' tests/hosts/run.sh $(BUILD)
 
 .PHONY: dist
 dist:

@@ -1,5 +1,5 @@
 #!/bin/sh
-# man.sh PAGE PROGRAM: prints the man page delassus.1, delassus-COMMAND.1 or delassus.3. They are made of the program's
+# man.sh PAGE PROGRAM: prints the man page delassus.1, delassus-COMMAND.1, delassus-mpi.1 or delassus.3. They are made of the program's
 # --help, of docs/program.md (summaries and examples, which make check-docs runs), of docs/files.md and of the comments of
 # the headers, so that none can differ from these.
 set -eu
@@ -74,6 +74,15 @@ delassus.1)
     '.TP' '.B NO_COLOR' 'If it is set and not empty, the last line is not coloured on a terminal.' \
     '.TP' '.B OPENBLAS_NUM_THREADS' 'threads of the BLAS, which large problems use.'
   "$program" --help | ends "$(printf '.BR delassus\\-%s (1),\n' $commands; echo '.BR delassus (3)')" ;;
+delassus-mpi.1) # PROGRAM-mpi
+  head delassus-mpi 1 delassus-mpi 'solves contact problems with Coulomb friction on several processes'
+  echo .SH SYNOPSIS
+  "$program-mpi" --help | usage
+  echo .SH DESCRIPTION
+  "$program-mpi" --help | options
+  echo .SH EXAMPLES
+  sed -n 's/^\(mpirun .*\)build\/\(delassus-mpi.*\)/\1\2/p' docs/mpi.md | literal | sed 's/^/.TP\n.B /; s/$/\n\\\&/'
+  "$program-mpi" --help | ends '.BR delassus (1)' ;;
 delassus-*.1)
   command=${page#delassus-}
   command=${command%.1}

@@ -1,6 +1,6 @@
 #!/bin/sh
 # debian.sh: builds the packages of debian/ in a copy of the tree and asks lintian for errors and warnings;
-# libdelassus0 depends on no HDF5. Skipped with a line without dpkg-buildpackage, debhelper or lintian.
+# libdelassus0 depends on no HDF5, MUMPS or MPI. Skipped with a line without dpkg-buildpackage, debhelper or lintian.
 set -eu
 for tool in dpkg-buildpackage dh dh_python3 lintian; do
   command -v $tool > /dev/null || { echo "skipped: packages of Debian, no $tool"; exit 0; }
@@ -13,5 +13,5 @@ cd "$root/delassus"
 dpkg-buildpackage -us -uc > ../log 2>&1 || { tail -50 ../log; echo 'check-debian: dpkg-buildpackage'; exit 1; }
 cd ..
 lintian --allow-root --fail-on error,warning *.changes || { echo 'check-debian: lintian'; exit 1; }
-! dpkg -I libdelassus0_*.deb | grep -i 'depends:.*hdf5' || { echo 'check-debian: libdelassus0 depends on HDF5'; exit 1; }
+! dpkg -I libdelassus0_*.deb | grep -i -E 'depends:.*(hdf5|mumps|mpi)' || { echo 'check-debian: libdelassus0 depends on it'; exit 1; }
 echo "debian: $(ls ./*.deb | wc -l) packages, no error or warning of lintian"

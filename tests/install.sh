@@ -1,7 +1,8 @@
 #!/bin/sh
 # install.sh BUILD: installs into a fresh directory (DESTDIR), builds and runs an example in C (with pkg-config
-# and with CMake), C++, Fortran and Python from what is there alone, looks at the man pages and the completion,
-# and uninstalls. The version is the same everywhere. tests/packages.sh does the same for Python's packages. PYTHON: an interpreter with numpy and scipy, empty for none.
+# and with CMake, also from a moved tree), C++, Fortran and Python from what is there alone, looks at the man pages and
+# the completion, and uninstalls. A host with a MUMPS of its own works. The version is the same everywhere. MPI=1 in the
+# environment: libdelassus-mpi, too. tests/packages.sh does the same for Python's packages. PYTHON: an interpreter with numpy and scipy, empty for none.
 set -eu
 build=$1
 root=$(mktemp -d)
@@ -93,21 +94,74 @@ if [ -n "${PYTHON:-}" ]; then
 else
   echo 'skipped: Python, no python3 with numpy and scipy'
 fi
+# a host's global symbols with the names of MUMPS, MPI and SCOTCH
+cp "$work"/tests/hosts/poison.c "$work"/tests/hosts/unsymmetric.[ch] .
+private=$(sed -n 's/^Libs.private: //p' "$tree"/usr/lib/here/pkgconfig/delassus.pc)
+${CC:-cc} -rdynamic -o poison-so poison.c unsymmetric.c $flags -lm
+${CC:-cc} -rdynamic -o poison-a poison.c unsymmetric.c -I"$tree/usr/include" "$tree"/usr/lib/here/libdelassus.a $private
+for program in poison-so poison-a; do
+  case $private in *gfortran*) ;; *) echo 'skipped: a host with its own MUMPS, a build without MUMPS'; break ;; esac
+  ./$program > printed || fail "$program: $(cat printed)"
+  echo "$program: a host's own MUMPS and MPI are not touched"
+done
 if command -v cmake > /dev/null; then
-  mkdir cmake
-  printf '%s\n' 'cmake_minimum_required(VERSION 3.10)' 'project(point C)' 'find_package(delassus 0.1 REQUIRED)' \
-    'add_executable(point ../point.c)' 'target_link_libraries(point delassus::delassus m)' \
-    'add_executable(files ../files.c)' 'target_link_libraries(files delassus::files)' > cmake/CMakeLists.txt
-  (cd cmake && cmake -Ddelassus_DIR="$tree/usr/lib/here/cmake/delassus" . && cmake --build .) > log 2>&1 || { cat log; fail CMake; }
-  check 'C by CMake' cmake/point
-  reads CMake cmake/files
+  # the tree moved to a prefix with letters that mean something to CMake, and reached by a link, as where /lib is /usr/lib
+  mkdir "$root/c++ (1)"
+  cp -r "$tree/usr" "$root/c++ (1)/usr"
+  ln -s usr/lib "$root/c++ (1)/lib"
+  cat > fe.c << 'END'
+#include <delassus/fe.h>
+int main(void) {
+  dls_fe_mesh mesh;
+  if (dls_fe_mesh_block(&mesh, 1, 1, 2, 2, 0)) return 1;
+  dls_fe_mesh_free(&mesh);
+  return 0;
+}
+END
+  by_cmake() { # folder, where the package is
+    mkdir "$1"
+    printf '%s\n' 'cmake_minimum_required(VERSION 3.10)' 'project(point C)' "find_package(delassus 0.1 REQUIRED COMPONENTS files fe)" \
+      'find_package(delassus 0.1 QUIET COMPONENTS nothing)' 'if(delassus_FOUND)' 'message(FATAL_ERROR "nothing is found")' 'endif()' \
+      'add_executable(point ../point.c)' 'target_link_libraries(point delassus::delassus m)' \
+      'add_executable(files ../files.c)' 'target_link_libraries(files delassus::files)' \
+      'add_executable(fe ../fe.c)' 'target_link_libraries(fe delassus::fe)' > "$1/CMakeLists.txt"
+    (cd "$1" && cmake -Ddelassus_DIR="$2/cmake/delassus" . && cmake --build .) > log 2>&1 || { cat log; fail "CMake, $1"; }
+    check "C by CMake, $1" "$1/point"
+    reads "CMake, $1" "$1/files"
+    "$1/fe" || fail "the component fe by CMake, $1"
+  }
+  by_cmake cmake "$tree/usr/lib/here"
+  LD_LIBRARY_PATH='' by_cmake moved "$root/c++ (1)/usr/lib/here"
+  LD_LIBRARY_PATH='' by_cmake linked "$root/c++ (1)/lib/here"
 else
   echo 'skipped: CMake, no cmake'
+fi
+# MPI=1: libdelassus-mpi, its example on two ranks
+if [ "${MPI:-0}" = 1 ]; then
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  slabs=$tree/usr/share/doc/delassus/examples/mpi/host_slabs.c
+  wanted=$(sed -n '/^ \* Output:/,/^ \*\//p' "$slabs" | sed -e '1d' -e '$d' -e 's/^ \* \{0,1\}//' -e 's/^  //')
+  on_ranks() { # way and program
+    [ "$(mpirun --oversubscribe -np 2 "$2")" = "$wanted" ] || fail "host_slabs by $1"
+    echo "host_slabs by $1: two ranks of the installed libdelassus-mpi"
+  }
+  ${CC:-cc} -o slabs-so "$slabs" $(env -u PKG_CONFIG_SYSROOT_DIR pkg-config --define-variable=prefix="$tree/usr" \
+    --define-variable=libdir="$tree/usr/lib/here" --cflags --libs delassus-mpi) $(mpicc --showme:link) -lm
+  on_ranks pkg-config ./slabs-so
+  if command -v cmake > /dev/null; then
+    mkdir mpi
+    printf '%s\n' 'cmake_minimum_required(VERSION 3.10)' 'project(slabs C)' 'find_package(delassus REQUIRED COMPONENTS mpi)' \
+      "add_executable(slabs $slabs)" 'target_link_libraries(slabs delassus::mpi m)' > mpi/CMakeLists.txt
+    (cd mpi && cmake -Ddelassus_DIR="$tree/usr/lib/here/cmake/delassus" . && cmake --build .) > log 2>&1 || { cat log; fail 'CMake, mpi'; }
+    on_ranks CMake mpi/slabs
+  fi
 fi
 # the version stands in delassus/status.h; two files repeat it, where nothing can fill it in
 version=$("$tree/usr/bin/delassus" --version | sed 's/delassus //')
 [ "$version" = "$(pkg-config --modversion delassus)" ] || fail "version of delassus.pc"
-[ "$version" = "$(pkg-config --modversion delassus-files)" ] || fail "version of delassus-files.pc"
+for part in files $([ "${MPI:-0}" = 0 ] || echo mpi); do
+  [ "$version" = "$(pkg-config --modversion delassus-$part)" ] || fail "version of delassus-$part.pc"
+done
 [ "$version" = "$(sed -n 's/^version: //p' "$work/CITATION.cff")" ] || fail "version of CITATION.cff"
 [ "$version" = "$(sed -n '1s/.*(\(.*\)).*/\1/p' "$work/debian/changelog")" ] || fail "version of debian/changelog"
 grep -q "^## $version" "$work/CHANGELOG.md" || fail "version of CHANGELOG.md"
@@ -124,7 +178,7 @@ done
 grep -q -e '\\-\\-stiffness' "$tree/usr/share/man/man1/delassus-solve.1" || fail 'delassus-solve.1 has no --stiffness'
 grep -q 'fclib_local' "$tree/usr/share/man/man1/delassus-solve.1" || fail 'delassus-solve.1 has no layout of FCLIB'
 for page in "$tree"/usr/share/man/man1/*.1; do
-  [ "$(sed -n '/^.SH EXAMPLES/,/^.SH E/p' "$page" | grep -c '^.B delassus')" -gt 0 ] || fail "${page##*/} has no example"
+  [ "$(sed -n '/^.SH EXAMPLES/,/^.SH E/p' "$page" | grep -c '^.B .*delassus')" -gt 0 ] || fail "${page##*/} has no example"
 done
 # each function that a shared library exports
 for name in $(nm -D --defined-only "$tree"/usr/lib/here/libdelassus*.so | sed -n 's/.* T \(dls_[a-z0-9_]*\).*/\1/p'); do

@@ -68,7 +68,7 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
         p[i] -= W[i + d * j] * rc[j];
     }
     if (dlsi_local_count(d, W, p, problem->mu[c]) < 2) continue;
-    if (dls_nlgs_local(d, W, p, problem->mu[c], s, NULL) == DLS_LOCAL_NONE) continue;
+    if (dlsi_nlgs_local(d, W, p, problem->mu[c], s, NULL) == DLS_LOCAL_NONE) continue;
     ambiguous++;
     for (int i = 0; other && i < d; i++)
       other[d * c + i] = s[i];

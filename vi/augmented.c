@@ -156,7 +156,7 @@ void dls_augmented_destroy(dls_augmented *workspace) {
   free(workspace);
 }
 
-const double *dls_augmented_direction(const dls_augmented *workspace) {
+const double *dlsi_augmented_direction(const dls_augmented *workspace) {
   return workspace && workspace->escaped ? workspace->direction : NULL;
 }
 
@@ -338,7 +338,7 @@ static void augmented_set_limits(void *work, const dls_limits *limits) {
 }
 
 static const double *augmented_direction(const void *work) {
-  return dls_augmented_direction(work);
+  return dlsi_augmented_direction(work);
 }
 
 const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,

@@ -52,8 +52,8 @@ static const double least_size = 0x1p-200;
 /* Newton's last step in l, as a fraction of l: the next step would be of its square. */
 static const double last_step = 1e-8;
 
-static dls_local_state local_set(int d, double *r, double n, double t, double s,
-                                 dls_local_state state) {
+static dlsi_local_state local_set(int d, double *r, double n, double t, double s,
+                                  dlsi_local_state state) {
   r[0] = n;
   if (d > 1) r[1] = t;
   if (d == 3) r[2] = s;
@@ -64,14 +64,14 @@ static dls_local_state local_set(int d, double *r, double n, double t, double s,
 
 typedef struct point {
   double r[3];
-  dls_local_state state;
+  dlsi_local_state state;
 } point;
 
 static const point apart = {{0, 0, 0}, DLS_LOCAL_NONE}; /* for q_n < 0 */
 
 /* r := the point with the smallest |F| of n points; the first is r = 0, and NaN never wins. */
-static dls_local_state least_bad(int d, const double *W, const double *q, double mu,
-                                 const point *points, int n, double *r) {
+static dlsi_local_state least_bad(int d, const double *W, const double *q, double mu,
+                                  const point *points, int n, double *r) {
   double trace = 0, largest = 0;
   for (int i = 0; i < d; i++)
     trace += W[i + d * i];
@@ -79,7 +79,7 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
     if (fabs(W[e]) > largest) largest = fabs(W[e]);
   const double w = trace > 0 ? trace / d : largest > 0 ? largest : 1;
   double best = INFINITY;
-  dls_local_state state = DLS_LOCAL_NONE;
+  dlsi_local_state state = DLS_LOCAL_NONE;
   local_set(d, r, 0, 0, 0, state);
   for (int k = 0; k < n; k++) {
     const double *p = points[k].r;
@@ -132,7 +132,7 @@ static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r)
 }
 
 /* Solves for mu = 0, where the tangential rows only separate stick from slip. */
-static dls_local_state frictionless(int d, const double *W, const double *q, double *r) {
+static dlsi_local_state frictionless(int d, const double *W, const double *q, double *r) {
   if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
   local_set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
   if (!(r[0] <= DBL_MAX)) return least_bad(d, W, q, 0, &apart, 1, r);
@@ -140,12 +140,12 @@ static dls_local_state frictionless(int d, const double *W, const double *q, dou
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
 }
 
-dls_local_state dlsi_local_1d(double W, const double *q, double *r) {
+dlsi_local_state dlsi_local_1d(double W, const double *q, double *r) {
   if (q[0] >= 0) return local_set(1, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   return frictionless(1, &W, q, r);
 }
 
-dls_local_state dlsi_local_2d(const dlsi_block_2d *b, const double *q, double *r) {
+dlsi_local_state dlsi_local_2d(const dlsi_block_2d *b, const double *q, double *r) {
   if (q[0] >= 0) return local_set(2, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   if (b->mu == 0) return frictionless(2, b->W, q, r);
   if (stick_2d(b, q, r)) return DLS_LOCAL_STICK; /* (LO3) */
@@ -270,11 +270,11 @@ static inline double local_newton(const schur *s, const local_trial *c) {
   return m > 0 ? h * (n2 * m) / (dm * n2 * n - ndn * (m * m)) : h * n / (dm * n - ndn);
 }
 
-static dls_local_state slip_3d_small(const schur *s, double guess, double *r);
+static dlsi_local_state slip_3d_small(const schur *s, double guess, double *r);
 
 /* Solves (LO4) for q_n < 0 from guess, or from 0 if guess is not > 0. Returns DLS_LOCAL_NONE if
  * it finds no root. */
-static dls_local_state slip_3d(const schur *s, double guess, double *r) {
+static dlsi_local_state slip_3d(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
   const double *S = s->block->S, far = s->a * (fabs(s->z[0]) + fabs(s->z[1]));
   const double unit = (far * s->block->inv_a - s->qn) * s->block->inv_a;
@@ -320,7 +320,7 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
 
 /* The same in a larger unit of q: in the first sweep over stacked bodies r halves from one to the
  * next, and bisection of what underflows takes longer than all the rest. */
-static dls_local_state slip_3d_small(const schur *s, double guess, double *r) {
+static dlsi_local_state slip_3d_small(const schur *s, double guess, double *r) {
   const double up = 1 / least_size;
   const schur larger = {.block = s->block,
                         .a = s->a,
@@ -329,7 +329,7 @@ static dls_local_state slip_3d_small(const schur *s, double guess, double *r) {
                         .mu = s->mu,
                         .z = {up * s->z[0], up * s->z[1]},
                         .N = {up * s->N[0], up * s->N[1]}};
-  const dls_local_state state = slip_3d(&larger, guess, r);
+  const dlsi_local_state state = slip_3d(&larger, guess, r);
   for (int i = 0; i < 3; i++)
     r[i] *= least_size;
   return state;
@@ -445,14 +445,14 @@ static int all_slips(const schur *s, const slip_quartic *k, point *points) {
   return found;
 }
 
-dls_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double guess, double *r) {
+dlsi_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double guess, double *r) {
   if (q[0] >= 0) return local_set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   if (b->mu == 0) return frictionless(3, b->W, q, r);
   if (!(b->W[0] > 0)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
   const schur s = local_schur(b, q);
   if (stick_3d(&s, r)) return DLS_LOCAL_STICK;
   if (dlsi_is_bonded(b->mu)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
-  const dls_local_state state = slip_3d(&s, guess, r);
+  const dlsi_local_state state = slip_3d(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
   point points[6] = {apart, {.state = DLS_LOCAL_STICK}};
   (void)stick_3d(&s, points[1].r);
@@ -491,11 +491,11 @@ int dlsi_local_count(int d, const double *W, const double *q, double mu) {
   return count_3d(&b, q);
 }
 
-dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
-                               int *count) {
+dlsi_local_state dlsi_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
+                                 int *count) {
   DLSI_DOOR;
   double p[3] = {0};
-  dls_local_state state;
+  dlsi_local_state state;
   if (d == 1)
     state = dlsi_local_1d(W[0], q, p);
   else if (d == 2) {

@@ -137,7 +137,7 @@ static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work
         sum += W[i + d * j] * rc[j];
       p[i] = uc[i] - sum;
     }
-    dls_local_state state; /* (NL2) */
+    dlsi_local_state state; /* (NL2) */
     if (d == 1)
       state = dlsi_local_1d(*W, p, s);
     else if (d == 2)

@@ -34,14 +34,31 @@ typedef struct dlsi_block_3d {
 void dlsi_block_2d_set(dlsi_block_2d *block, const double *W, double mu);
 void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu);
 
+/* The kind of solution that dlsi_nlgs_local returned. */
+typedef enum dlsi_local_state {
+  DLS_LOCAL_NONE = -1, /* the local problem has no solution; r has the smallest error found */
+  DLS_LOCAL_FREE = 0,
+  DLS_LOCAL_SLIP = 1,
+  DLS_LOCAL_STICK = 2
+} dlsi_local_state;
+
+/* Solves the problem of one contact exactly: r with u = W r + q, d = 1, 2 or 3; W is d x d with
+ * leading dimension d. If several solutions exist, it returns the first of free, stick, slip.
+ * *count, or NULL, receives their number (0 for none; 2 ends for a continuum). In 3D with W_nn <= 0
+ * it tries free only. If several slips exist without stick, it always returns the same one. r is
+ * finite for each W and q. */
+dlsi_local_state dlsi_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
+                                 int *count);
+
 /* Returns the number of solutions, up to rounding, of a local problem that has at least one. */
 int dlsi_local_count(int d, const double *W, const double *q, double mu);
 
-/* dls_nlgs_local without the count, for the sweep. guess (3D): first value of l >= 0 in
+/* dlsi_nlgs_local without the count, for the sweep. guess (3D): first value of l >= 0 in
  * u_t = -l r_t, such as the last |u_t| / |r_t|; 0 for none. */
-dls_local_state dlsi_local_1d(double W, const double *q, double *r);
-dls_local_state dlsi_local_2d(const dlsi_block_2d *block, const double *q, double *r);
-dls_local_state dlsi_local_3d(const dlsi_block_3d *block, const double *q, double guess, double *r);
+dlsi_local_state dlsi_local_1d(double W, const double *q, double *r);
+dlsi_local_state dlsi_local_2d(const dlsi_block_2d *block, const double *q, double *r);
+dlsi_local_state dlsi_local_3d(const dlsi_block_3d *block, const double *q, double guess,
+                               double *r);
 
 /* K with the unknowns of each contact node turned into its local frame (frames.c). */
 typedef struct dlsi_frames {
@@ -385,5 +402,16 @@ int dlsi_is_unique(const dls_contact *problem, const double *w, double *row, dou
 
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method;
 extern const dlsi_method dlsi_augmented_method, dlsi_penalty_method;
+
+/* Returns a direction delta (m, its largest entry +-1) along which the reactions of the last solve
+ * grew without bound, or NULL:
+ *
+ *   |W delta| < 1e-4 |delta|   and   q.delta < -1e-4 |q| |delta|,
+ *
+ * in norms weighted by w_c: reactions along delta cause no displacement and gain work without
+ * bound. Such a delta makes it likely that there is no solution. It is a proof only if W is
+ * symmetric, W delta = 0, delta_n >= 0 and delta_t = 0: a self-stress of the normal reactions. NULL
+ * after DLS_OK. It lives until the next solve or destroy. */
+const double *dlsi_augmented_direction(const dls_augmented *workspace);
 
 #endif

@@ -61,17 +61,6 @@ DLS_API DLS_MUST_USE dls_status dls_augmented_solve(dls_augmented *workspace,
                                                     const dls_contact *problem, double *r,
                                                     double *u, dls_info *info, dls_error *error);
 
-/* Returns a direction delta (m, its largest entry +-1) along which the reactions of the last solve
- * grew without bound, or NULL:
- *
- *   |W delta| < 1e-4 |delta|   and   q.delta < -1e-4 |q| |delta|,
- *
- * in norms weighted by w_c: reactions along delta cause no displacement and gain work without
- * bound. Such a delta makes it likely that there is no solution. It is a proof only if W is
- * symmetric, W delta = 0, delta_n >= 0 and delta_t = 0: a self-stress of the normal reactions. NULL
- * after DLS_OK. It lives until the next solve or destroy. */
-DLS_API const double *dls_augmented_direction(const dls_augmented *workspace);
-
 /* Frees the object; NULL is fine. */
 DLS_API void dls_augmented_destroy(dls_augmented *workspace);
 

@@ -78,22 +78,6 @@ DLS_API DLS_MUST_USE dls_status dls_bodies_count(const dls_contact *problem, int
 DLS_API DLS_MUST_USE dls_status dls_blocks_from_bodies(const dls_contact *problem, int *p, int *i,
                                                        double *x, dls_blocks *B, dls_error *error);
 
-/* A component of all candidates: W = (W_nn W_nt; W_tn W_tt), where the tangents of candidate c
- * stand at (d-1) c .. (d-1) c + d-2. */
-typedef enum dls_component { DLS_NORMAL = 0, DLS_TANGENT = 1 } dls_component;
-
-/* Copies W_(row,col), column-major with leading dimension ld: nc rows or columns for the normals,
- * (d-1) nc for the tangents. block: ld * columns doubles of the caller, must not overlap W. */
-DLS_API DLS_MUST_USE dls_status dls_contact_get_block(const dls_contact *problem, dls_component row,
-                                                      dls_component col, double *block, int ld,
-                                                      dls_error *error);
-
-/* Copies block into W_(row,col) of a dense W (m x m, leading dimension ldw) that the caller owns,
- * so that a host can put together the four influence matrices of [Jean 1988] (3.3)5-6. */
-DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_component row,
-                                                      dls_component col, const double *block,
-                                                      int ld, double *W, int ldw, dls_error *error);
-
 /* Makes a problem of some candidates of another one: reduce all candidates once, then solve in each
  * step for those that may touch. r and u of candidate k of the subset belong to candidate[k]; r of
  * the others is 0.

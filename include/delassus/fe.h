@@ -173,15 +173,6 @@ DLS_API DLS_MUST_USE dls_status dls_fe_scene_displacement(const dls_fe_scene *sc
                                                           const double *x, double *displacement,
                                                           dls_error *error);
 
-/* Writes an unstructured VTK XML file (.vtu, ascii, 17 digits) of the mesh with the point data
- * "displacement" and "reaction" (2 * nodes each, x and y) and the cell data "stress" (xx, yy, xy;
- * 3 * elements); each of the three may be NULL. Where the host has set a locale, its decimal sign
- * must be the point. DLS_E_FILE: cannot be opened or written to the end; an old file stays as
- * it was. */
-DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh,
-                                                 const double *displacement, const double *reaction,
-                                                 const double *stress, dls_error *error);
-
 /* What a file for ParaView shows on a mesh. Start from {0}; each array may be NULL. */
 typedef struct dls_fe_fields {
   const double *displacement; /* 2 * nodes                                    length */
@@ -194,9 +185,12 @@ typedef struct dls_fe_fields {
   const double *gap, *slip;       /* candidates                               length */
 } dls_fe_fields;
 
-/* Writes a file as dls_fe_write_vtu does, the stress as a tensor of nine components, and the point
- * data "contact" (DLS_FREE 0, DLS_SLIP 1, DLS_STICK 2; -1 at nodes without contact), "gap" and
- * "slip" (0 there). Statuses as there; DLS_E_ARGUMENT "node", also for a number out of range. */
+/* Writes an unstructured VTK XML file (.vtu, ascii, 17 digits) of the mesh with the point data
+ * "displacement" and "reaction", the cell data "stress" (a tensor of nine components), and the
+ * point data "contact" (DLS_FREE 0, DLS_SLIP 1, DLS_STICK 2; -1 at nodes without contact), "gap"
+ * and "slip" (0 there). Where the host has set a locale, its decimal sign must be the point.
+ * DLS_E_ARGUMENT "node", also for a number out of range; DLS_E_FILE: cannot be opened or written to
+ * the end; an old file stays as it was. */
 DLS_API DLS_MUST_USE dls_status dls_fe_write_fields(const char *path, const dls_fe_mesh *mesh,
                                                     const dls_fe_fields *fields, dls_error *error);
 

@@ -145,13 +145,6 @@ DLS_API int dls_text_is_lcp(const dls_text *text);
 /* Returns the text of the first line `title`, "" if there is none. */
 DLS_API const char *dls_text_title(const dls_text *text);
 
-/* Returns the text of line k = 0, 1, .. of those that are no part of the problem, and its *key (or
- * NULL); NULL after the last one. */
-DLS_API const char *dls_text_line(const dls_text *text, int k, const char **key);
-
-/* Reads exactly `count` numbers from a text; returns 0 if there are more or less. */
-DLS_API int dls_text_numbers(const char *text, int count, double *x);
-
 /* Return the problem; of an LCP n, M (n x n, column-major) and q (n). DLS_E_ARGUMENT if it is of
  * the other kind. */
 DLS_API DLS_MUST_USE dls_status dls_text_contact(const dls_text *text, dls_contact *problem,

@@ -60,22 +60,6 @@ DLS_API DLS_MUST_USE dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_co
 /* Frees the object; NULL is fine. */
 DLS_API void dls_nlgs_destroy(dls_nlgs *workspace);
 
-/* The kind of solution that dls_nlgs_local returned. */
-typedef enum dls_local_state {
-  DLS_LOCAL_NONE = -1, /* the local problem has no solution; r has the smallest error found */
-  DLS_LOCAL_FREE = 0,
-  DLS_LOCAL_SLIP = 1,
-  DLS_LOCAL_STICK = 2
-} dls_local_state;
-
-/* Solves the problem of one contact exactly: r with u = W r + q, d = 1, 2 or 3; W is d x d with
- * leading dimension d. If several solutions exist, it returns the first of free, stick, slip.
- * *count, or NULL, receives their number (0 for none; 2 ends for a continuum). In 3D with W_nn <= 0
- * it tries free only. If several slips exist without stick, it always returns the same one. r is
- * finite for each W and q. */
-DLS_API dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu,
-                                       double *r, int *count);
-
 #ifdef __cplusplus
 }
 #endif

@@ -159,9 +159,10 @@ DLS_API DLS_MUST_USE dls_status dls_solver_map(dls_solver *solver, int nc, const
 /* Returns the direction (m) along which the reactions of the last solve grew without bound, or
  * NULL. It lives until the next solve or destroy.
  *
- *   DLS_NO_SOLUTION_LIKELY or DLS_STALLED of auto or the augmented Lagrangian: delta of
- *   dls_augmented_direction, W delta = 0 to rounding and q.delta < 0. It proves that there is no
- *   solution only if W delta = 0, W is symmetric, delta_n >= 0 and delta_t = 0
+ *   DLS_NO_SOLUTION_LIKELY or DLS_STALLED of auto or the augmented Lagrangian: delta with W delta
+ *   = 0 to rounding and q.delta < 0: it causes no displacement and gains work without bound. It
+ *   proves that there is no solution only if W delta = 0, W is symmetric, delta_n >= 0 and
+ *   delta_t = 0
  *   DLS_RAY of lemke: the reactions of the ray, dz of lcp.h */
 DLS_API const double *dls_solver_direction(const dls_solver *solver);
 

@@ -37,7 +37,7 @@ static int solve_each(const dls_contact *problem, double *r) {
     double W[9];
     dlsi_contact_diagonal(problem, c, W);
     if (!(dlsi_block_weight(d, W) > 0)) return 0;
-    if (dls_nlgs_local(d, W, q, problem->mu[c], r + d * c, NULL) == DLS_LOCAL_NONE) return 0;
+    if (dlsi_nlgs_local(d, W, q, problem->mu[c], r + d * c, NULL) == DLS_LOCAL_NONE) return 0;
   }
   return 1;
 }

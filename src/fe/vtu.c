@@ -121,9 +121,8 @@ dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dls
   return dlsi_output_finish(out, error);
 }
 
-/* tensor: 0 writes the stress as xx, yy, xy. */
 static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh, const dls_fe_fields *f,
-                                int tensor, dls_error *error) {
+                                dls_error *error) {
   enum { digits = 17 };
   const double *displacement = f->displacement, *reaction = f->reaction, *stress = f->stress;
   const size_t nc = f->candidates > 0 ? (size_t)f->candidates : 0;
@@ -154,29 +153,15 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh, const
   if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
   dlsi_vtu_contact(file, f, mesh->nodes, digits);
   dlsi_vtu_cells(file);
-  if (stress && tensor)
-    dlsi_vtu_tensor(file, stress, 3, f->nu, 1, &all, digits);
-  else if (stress)
-    dlsi_vtu_means(file,
-                   "Name=\"stress\" NumberOfComponents=\"3\" "
-                   "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
-                   stress, 3, 1, &all, digits);
+  if (stress) dlsi_vtu_tensor(file, stress, 3, f->nu, 1, &all, digits);
   return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, &all, digits, error);
-}
-
-dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
-                            const double *reaction, const double *stress, dls_error *error) {
-  DLSI_DOOR;
-  const dls_fe_fields fields = {
-      .displacement = displacement, .reaction = reaction, .stress = stress};
-  return dlsi_at(__func__, fe_write_grid(path, mesh, &fields, 0, error), error);
 }
 
 dls_status dls_fe_write_fields(const char *path, const dls_fe_mesh *mesh,
                                const dls_fe_fields *fields, dls_error *error) {
   DLSI_DOOR;
   const dls_status status =
-      fields ? fe_write_grid(path, mesh, fields, 1, error) : dlsi_is_null(error, "fields");
+      fields ? fe_write_grid(path, mesh, fields, error) : dlsi_is_null(error, "fields");
   return dlsi_at(__func__, status, error);
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/base.h"
 #include "base/columns.h"
+#include "delassus/files.h"
 
 /* Opens `path` for reading, past a byte order mark; NULL and DLS_E_FILE in *error if it is missing
  * or a directory. */
@@ -27,5 +28,12 @@ static inline int dlsi_is_digit(int c) {
  * locale of the host, also with exponents of Fortran (1D0). Returns 0 for any other word. */
 enum { dlsi_longest_number = 64 }; /* a double needs 24 characters */
 int dlsi_read_number(const char *word, size_t length, double *value);
+
+/* Returns the text of line k = 0, 1, .. of those that are no part of the problem, and its *key (or
+ * NULL); NULL after the last one. */
+const char *dlsi_text_line(const dls_text *text, int k, const char **key);
+
+/* Reads exactly `count` numbers from a text; returns 0 if there are more or less. */
+int dlsi_text_numbers(const char *text, int count, double *x);
 
 #endif

@@ -63,7 +63,7 @@ static int read_fraction(const char *word, size_t length, double *x) {
   return isfinite(*x);
 }
 
-int dls_text_numbers(const char *text, int count, double *x) {
+int dlsi_text_numbers(const char *text, int count, double *x) {
   if (!text || (count > 0 && !x)) return 0;
   for (int i = 0;; i++) {
     while (is_blank(*text))
@@ -96,7 +96,7 @@ static dls_status take_sizes(text_reader *reader, int contact, const char *key, 
   dls_text *to = reader->to;
   double v[2] = {0, 0};
   if (to->n) return text_blame(reader, key, "stands there twice");
-  if (!dls_text_numbers(text, contact ? 2 : 1, v)) return text_blame(reader, key, "needs sizes");
+  if (!dlsi_text_numbers(text, contact ? 2 : 1, v)) return text_blame(reader, key, "needs sizes");
   const double d = contact ? v[0] : 0, count = v[contact], n = contact ? d * count : count;
   if (count != floor(count) || !(count >= 1 && n <= INT_MAX) ||
       (contact && d != 1 && d != 2 && d != 3))
@@ -116,7 +116,7 @@ static dls_status take_vector(text_reader *reader, const char *key, const char *
     return text_blame(reader, key, "has too few numbers");
   *x = dlsi_alloc((size_t)count, sizeof **x);
   if (!*x) return dlsi_no_memory(reader->error);
-  if (dls_text_numbers(text, count, *x)) return DLS_OK;
+  if (dlsi_text_numbers(text, count, *x)) return DLS_OK;
   return text_blame(reader, key, "has too few numbers, too many, or one that is none");
 }
 
@@ -135,7 +135,7 @@ static dls_status take_matrix(text_reader *reader, const char *key, const char *
     const char *line = next_line(reader);
     if (!line)
       status = text_blame(reader, key, "has too few rows");
-    else if (!dls_text_numbers(line, to->n, row))
+    else if (!dlsi_text_numbers(line, to->n, row))
       status = text_blame(reader, line, "has too few numbers, too many, or one that is none");
     for (size_t j = 0; !status && j < n; j++)
       to->M[i + j * n] = row[j];
@@ -266,7 +266,7 @@ const char *dls_text_title(const dls_text *text) {
   return text && text->title ? text->title : "";
 }
 
-const char *dls_text_line(const dls_text *text, int k, const char **key) {
+const char *dlsi_text_line(const dls_text *text, int k, const char **key) {
   if (!text || k < 0 || k >= text->lines) return NULL;
   if (key) *key = text->line[k].key;
   return text->line[k].text;

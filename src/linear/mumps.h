@@ -10,14 +10,16 @@
 
 #include "base/base.h"
 
-/* the communicator of a process that factors alone: the sequential MUMPS has only this number; the
- * parallel MUMPS of libdelassus-mpi takes a communicator of this process */
+/* The sequential MUMPS is part of libdelassus under this name, and all its other names are local:
+ * the host may have another MUMPS, and an MPI (Makefile). src/mpi calls the parallel one. */
 #ifdef DLSI_MPI
-#include <mpi.h>
-#define DLSI_MUMPS_ALONE MPI_Comm_c2f(MPI_COMM_SELF)
+#define dlsi_dmumps dmumps_c
 #else
-#define DLSI_MUMPS_ALONE (-987654)
+void dlsi_dmumps(DMUMPS_STRUC_C *M);
 #endif
+
+/* the one communicator of the sequential MUMPS */
+enum { mumps_alone = -987654 };
 
 #define ICNTL(k) icntl[(k)-1]
 #define INFOG(k) infog[(k)-1]
@@ -31,7 +33,7 @@ static inline dls_status dlsi_mumps_run(DMUMPS_STRUC_C *M, int job, const char *
                                         dls_error *error) {
   M->job = job;
   dlsi_lock();
-  dmumps_c(M);
+  dlsi_dmumps(M);
   dlsi_unlock();
   const int info = M->INFOG(1);
   if (info >= 0) return DLS_OK;

@@ -188,8 +188,8 @@ static dls_status schur_analyse(dlsi_schur *work, dls_error *error) {
   if (work->factorization == DLS_CHOLESKY)
     return dlsi_cholesky_create(&work->definite, work->n, work->entries, work->row, work->col,
                                 work->order, work->S.n, error);
-  const dls_status status = dlsi_mumps_start(&work->mumps, work->factorization == DLS_LDLT ? 2 : 0,
-                                             DLSI_MUMPS_ALONE, error);
+  const dls_status status =
+      dlsi_mumps_start(&work->mumps, work->factorization == DLS_LDLT ? 2 : 0, mumps_alone, error);
   if (status) return status;
   schur_set_up(work);
   return dlsi_mumps_run(&work->mumps, analyse, "Ks", error);

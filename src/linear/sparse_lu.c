@@ -28,7 +28,7 @@ dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error) {
   *out = NULL;
   dlsi_sparse_lu *work = calloc(1, sizeof *work);
   if (!work) return dlsi_no_memory(error);
-  const dls_status status = dlsi_mumps_start(&work->mumps, 0, DLSI_MUMPS_ALONE, error);
+  const dls_status status = dlsi_mumps_start(&work->mumps, 0, mumps_alone, error);
   if (status) {
     free(work);
     return status;

@@ -1,33 +1,32 @@
 # mpi.mk: what make MPI=1 adds; Makefile includes it from the top of the tree.
 
 MPI_SRC := $(filter-out src/mpi/main.c,$(wildcard src/mpi/*.c))
-# both MUMPS have the same names, so that one program can have but one: these two files are compiled
-# again, for the parallel one
-MPI_AGAIN := src/linear/sparse_lu.c src/linear/schur.c
-MPI_AGAIN_OBJ := $(patsubst %.c,$(BUILD)/obj/mpi/%.o,$(MPI_AGAIN))
-MPI_OBJ := $(call obj,$(MPI_SRC)) $(MPI_AGAIN_OBJ) $(filter-out $(call obj,$(MPI_AGAIN)),$(LIB_OBJ))
+MPI_OBJ := $(call obj,$(MPI_SRC)) $(LIB_OBJ)
 MPI_A = $(BUILD)/libdelassus-mpi.a
+MPI_SO = $(BUILD)/libdelassus-mpi.so
 MPI_PROGRAM = $(BUILD)/delassus-mpi
-MPI_LIBS_ALL = $(MPI_LIBS) $(HDF5_LIBS) $(BLAS_LIBS) $(OPENMP_LIBS) -lm
+# of the library; of a program that reads files
+MPI_CORE_LIBS = $(MPI_LIBS) $(CORE_LIBS)
+MPI_LIBS_ALL = $(HDF5_LIBS) $(MPI_CORE_LIBS)
 MPI_TESTS := $(patsubst tests/mpi/%.c,$(BUILD)/mpi/%,$(wildcard tests/mpi/test_*.c))
 # PETSc's example where petsc-dev is there
 PETSC_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --silence-errors --cflags petsc))
 PETSC_LIBS := $(shell $(PKG_CONFIG) --silence-errors --libs petsc)
 MPI_EXAMPLES := $(addprefix $(BUILD)/examples/mpi/,host_slabs $(if $(PETSC_LIBS),host_petsc))
 
-all: $(MPI_A) $(MPI_PROGRAM) $(MPI_EXAMPLES)
+all: $(MPI_A) $(MPI_SO) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 
 $(call obj,$(wildcard src/mpi/*.c)) $(call obj,$(wildcard tests/mpi/*.c bench/mpi*.c)): CPP_OF += $(MPI_CFLAGS)
-
-$(BUILD)/obj/mpi/%.o: %.c Makefile src/mpi/mpi.mk
-	@mkdir -p $(@D)
-	$(call say,CC  )
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(MPI_CFLAGS) $(CFLAGS_ALL) -c -o $@ $<
 
 $(MPI_A): $(MPI_OBJ)
 	@rm -f $@
 	$(call say,AR  )
 	$(Q)$(AR) rcs $@ $^
+
+$(MPI_SO).$(VERSION): $(MPI_OBJ) src/delassus.map
+	$(call say,LINK)
+	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,$(notdir $(MPI_SO)).$(SOVERSION) \
+	  -Wl,--version-script=src/delassus.map -o $@ $(MPI_OBJ) $(MPI_CORE_LIBS)
 
 $(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(FILES) $(MPI_A)
 	$(call say,LINK)
@@ -61,10 +60,16 @@ $(if $(shell command -v $(MPICC)),,$(error MPI=1 needs $(MPICC) and more: run .c
 
 install: install-mpi
 .PHONY: install-mpi
-install-mpi: $(MPI_A) $(MPI_PROGRAM)
-	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(LIBDIR) $(DESTDIR)$(PREFIX)/bin
+install-mpi: $(MPI_A) $(MPI_SO) $(MPI_PROGRAM) $(PROGRAM)
+	install -d $(addprefix $(DESTDIR),$(LIBDIR)/pkgconfig $(PREFIX)/bin $(DATADIR)/man/man1 $(DOCDIR)/examples/mpi)
 	install -m 644 $(MPI_A) $(DESTDIR)$(LIBDIR)/
+	install -m 755 $(MPI_SO).$(VERSION) $(DESTDIR)$(LIBDIR)/
+	for link in $(notdir $(MPI_SO) $(MPI_SO).$(SOVERSION)); do \
+	  ln -sf $(notdir $(MPI_SO)).$(VERSION) $(DESTDIR)$(LIBDIR)/$$link; done
+	$(FILL) src/delassus-mpi.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus-mpi.pc
 	install -m 755 $(MPI_PROGRAM) $(DESTDIR)$(PREFIX)/bin/
+	docs/man.sh delassus-mpi.1 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/delassus-mpi.1
+	install -m 644 examples/mpi/*.c $(DESTDIR)$(DOCDIR)/examples/mpi/
 
 .PHONY: bench-mpi-global
 bench-mpi-global: $(BUILD)/bench/mpi_global $(MPI_EXAMPLES)

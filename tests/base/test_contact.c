@@ -289,71 +289,6 @@ START_TEST(outputs_stay_off_each_byte) {
 }
 END_TEST
 
-/* ---- blocks ---------------------------------------------------------------------------------- */
-
-START_TEST(blocks_come_apart_and_together) {
-  double W[36], back[36] = {0}, block[16];
-  for (int k = 0; k < 36; k++)
-    W[k] = k + 1; /* 3D, two candidates, every entry its own */
-  double q[6] = {0}, mu[2] = {0};
-  const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, W}, .q = q, .mu = mu};
-  for (int row = 0; row < 2; row++)
-    for (int col = 0; col < 2; col++) {
-      const dls_component a = (dls_component)row, b = (dls_component)col;
-      ck_assert_int_eq(dls_contact_get_block(&p, a, b, block, 4, NULL), DLS_OK);
-      ck_assert_int_eq(dls_contact_set_block(3, 2, a, b, block, 4, back, 6, NULL), DLS_OK);
-    }
-  ck_assert_mem_eq(W, back, sizeof W);
-  /* W_nt: rows 0 and 3, columns 1, 2, 4, 5 */
-  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, DLS_TANGENT, block, 2, NULL), DLS_OK);
-  const double nt[8] = {7, 10, 13, 16, 25, 28, 31, 34};
-  ck_assert_mem_eq(block, nt, sizeof nt);
-
-  const dls_contact d = dense2(), s = blocks2();
-  double from_dense[4], from_blocks[4];
-  for (int k = 0; k < 4; k++) {
-    const dls_component a = (dls_component)(k / 2), b = (dls_component)(k % 2);
-    ck_assert_int_eq(dls_contact_get_block(&d, a, b, from_dense, 2, NULL), DLS_OK);
-    ck_assert_int_eq(dls_contact_get_block(&s, a, b, from_blocks, 2, NULL), DLS_OK);
-    ck_assert_mem_eq(from_dense, from_blocks, sizeof from_dense);
-  }
-}
-END_TEST
-
-START_TEST(blocks_refuse_bad_arguments) {
-  const dls_contact p = dense2();
-  double block[4] = {7, 7, 7, 7}, W[16] = {0};
-  dls_error e;
-  ck_assert_int_eq(dls_contact_get_block(&p, (dls_component)2, DLS_NORMAL, block, 2, &e),
-                   DLS_E_ARGUMENT);
-  ck_assert_str_eq(e.argument, "row");
-  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, (dls_component)-1, block, 2, &e),
-                   DLS_E_ARGUMENT);
-  ck_assert_str_eq(e.argument, "col");
-  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, DLS_NORMAL, NULL, 2, &e), DLS_E_ARGUMENT);
-  ck_assert_str_eq(e.argument, "block");
-  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, DLS_NORMAL, block, 1, &e), DLS_E_SIZE);
-  ck_assert_str_eq(e.argument, "ld");
-  ck_assert(block[0] == 7 && block[3] == 7);
-  block[2] = NAN;
-  ck_assert_int_eq(dls_contact_set_block(2, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
-                   DLS_E_NOT_FINITE);
-  ck_assert_str_eq(e.argument, "block");
-  ck_assert_int_eq(e.index, 2);
-  block[2] = 7;
-  ck_assert_int_eq(dls_contact_set_block(2, 2, DLS_NORMAL, DLS_NORMAL, block, 2, NULL, 4, &e),
-                   DLS_E_ARGUMENT);
-  ck_assert_int_eq(dls_contact_set_block(2, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 3, &e),
-                   DLS_E_SIZE);
-  ck_assert_int_eq(dls_contact_set_block(5, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
-                   DLS_E_ARGUMENT);
-  ck_assert_int_eq(dls_contact_set_block(2, -1, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
-                   DLS_E_SIZE);
-  for (int k = 0; k < 16; k++)
-    ck_assert(W[k] == 0);
-}
-END_TEST
-
 /* ---- the certificate ------------------------------------------------------------------------- */
 
 static dls_certificate certified(const dls_contact *p, const double *r, double *u) {
@@ -1294,13 +1229,11 @@ int main(void) {
       ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
       ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
       ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
-      ONCE(outputs_stay_off_each_byte), ONCE(blocks_come_apart_and_together),
-      ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
-      ONCE(either_part_can_fail_alone), ONCE(norms_of_any_size), ONCE(no_forces_under_pressure),
-      ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
-      ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(errors_count_one_and_more),
-      ONCE(weights_fall_back), ONCE(worst_of_equal_ones), ONCE(borders_of_the_laws),
-      ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+      ONCE(outputs_stay_off_each_byte), ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone),
+      ONCE(norms_of_any_size), ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
+      ONCE(certificate_of_q_zero_and_frictionless), ONCE(no_forces_beside_a_norm_beyond_numbers),
+      ONCE(errors_count_one_and_more), ONCE(weights_fall_back), ONCE(worst_of_equal_ones),
+      ONCE(borders_of_the_laws), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
       ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
       ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual), ONCE(panels_of_normals),
       ONCE(certify_refuses_and_leaves_outputs), ONCE(verdict_of_each_part),

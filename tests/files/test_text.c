@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "delassus/files.h"
+#include "files/file.h"
 #include "malloc_fails.h"
 #include "run.h"
 
@@ -53,11 +54,11 @@ START_TEST(a_contact_problem) {
   ck_assert(p.W.a[0] == 2 && p.W.a[2] == -1 && p.W.a[1] == 0.5 && p.W.a[3] == 3);
   ck_assert(p.q[0] == -1 && p.q[1] == 0.25);
   ck_assert_int_eq(dls_contact_check(&p, NULL), DLS_OK);
-  ck_assert_str_eq(dls_text_line(text, 1, &key), "1 2");
+  ck_assert_str_eq(dlsi_text_line(text, 1, &key), "1 2");
   ck_assert_str_eq(key, "solution");
-  ck_assert_str_eq(dls_text_line(text, 2, NULL), "");
-  ck_assert_ptr_null(dls_text_line(text, 3, &key));
-  ck_assert_ptr_null(dls_text_line(text, -1, &key));
+  ck_assert_str_eq(dlsi_text_line(text, 2, NULL), "");
+  ck_assert_ptr_null(dlsi_text_line(text, 3, &key));
+  ck_assert_ptr_null(dlsi_text_line(text, -1, &key));
   ck_assert_int_eq(dls_text_lcp(text, &n, &M, &q, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.function, "dls_text_lcp");
   dls_text_destroy(text);
@@ -255,7 +256,7 @@ START_TEST(long_files) {
       strcpy(at + fill, end);
       ck_assert_int_eq(read_text(content, &text, NULL), DLS_OK);
       ck_assert_uint_eq(strlen(dls_text_title(text)), fill);
-      ck_assert_str_eq(dls_text_line(text, 1, NULL), "no");
+      ck_assert_str_eq(dlsi_text_line(text, 1, NULL), "no");
       dls_text_destroy(text);
     }
   for (int lines = 0; lines <= 60; lines++) {
@@ -268,11 +269,11 @@ START_TEST(long_files) {
       char words[20];
       const char *key;
       sprintf(words, "text %d", k);
-      ck_assert_str_eq(dls_text_line(text, k, &key), words);
+      ck_assert_str_eq(dlsi_text_line(text, k, &key), words);
       sprintf(words, "key%d", k);
       ck_assert_str_eq(key, words);
     }
-    ck_assert_ptr_null(dls_text_line(text, lines, NULL));
+    ck_assert_ptr_null(dlsi_text_line(text, lines, NULL));
     dls_text_destroy(text);
   }
 }
@@ -295,18 +296,18 @@ START_TEST(no_text) {
   const double *M, *q;
   ck_assert_int_eq(dls_text_contact(NULL, &p, NULL), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_text_lcp(NULL, &n, &M, &q, NULL), DLS_E_ARGUMENT);
-  ck_assert(!dls_text_is_lcp(NULL) && !dls_text_line(NULL, 0, NULL) && !*dls_text_title(NULL));
+  ck_assert(!dls_text_is_lcp(NULL) && !dlsi_text_line(NULL, 0, NULL) && !*dls_text_title(NULL));
   dls_text_destroy(NULL);
 }
 END_TEST
 
 START_TEST(numbers_alone) {
   double x[3] = {7, 7, 7};
-  ck_assert(dls_text_numbers(" 1 -2/4\t3e2 ", 3, x) && x[0] == 1 && x[1] == -0.5 && x[2] == 300);
-  ck_assert(dls_text_numbers("", 0, NULL));
-  ck_assert(!dls_text_numbers("1 2", 3, x) && !dls_text_numbers("1 2 3 4", 3, x));
-  ck_assert(!dls_text_numbers("1/", 1, x) && !dls_text_numbers("/2", 1, x));
-  ck_assert(!dls_text_numbers(NULL, 1, x) && !dls_text_numbers("1", 1, NULL));
+  ck_assert(dlsi_text_numbers(" 1 -2/4\t3e2 ", 3, x) && x[0] == 1 && x[1] == -0.5 && x[2] == 300);
+  ck_assert(dlsi_text_numbers("", 0, NULL));
+  ck_assert(!dlsi_text_numbers("1 2", 3, x) && !dlsi_text_numbers("1 2 3 4", 3, x));
+  ck_assert(!dlsi_text_numbers("1/", 1, x) && !dlsi_text_numbers("/2", 1, x));
+  ck_assert(!dlsi_text_numbers(NULL, 1, x) && !dlsi_text_numbers("1", 1, NULL));
 }
 END_TEST
 

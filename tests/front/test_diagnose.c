@@ -11,6 +11,7 @@
 #include "failures.h"
 #include "malloc_fails.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 static uint64_t state;
 
@@ -584,9 +585,9 @@ START_TEST(one_candidate_in_3d_has_one_solution_below_the_bound) {
     const double zero = 0;
     const dls_diagnosis g = diagnose(3, 1, W, q, &zero);
     int count;
-    ck_assert(dls_nlgs_local(3, W, q, 0.999 * g.friction_unique, r, &count) != DLS_LOCAL_NONE);
+    ck_assert(dlsi_nlgs_local(3, W, q, 0.999 * g.friction_unique, r, &count) != DLS_LOCAL_NONE);
     ck_assert_int_eq(count, 1);
-    (void)dls_nlgs_local(3, W, q, 20 * g.friction_unique, r, &count);
+    (void)dlsi_nlgs_local(3, W, q, 20 * g.friction_unique, r, &count);
     several += count > 1;
   }
   ck_assert_int_gt(several, 0);

@@ -10,6 +10,7 @@
 #include "front_cases.h"
 #include "malloc_fails.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 enum { NC = 12, M = 2 * NC };
 
@@ -639,7 +640,7 @@ START_TEST(one_candidate_takes_one_sweep) {
     is_one_sweep(&info);
     is_one_sweep(&other);
     ck_assert_mem_eq(r, t, (size_t)d * sizeof *r);
-    ck_assert_int_ne(dls_nlgs_local(d, a.x, a.b, a.friction[0], t, NULL), DLS_LOCAL_NONE);
+    ck_assert_int_ne(dlsi_nlgs_local(d, a.x, a.b, a.friction[0], t, NULL), DLS_LOCAL_NONE);
     ck_assert_mem_eq(r, t, (size_t)d * sizeof *r);
   }
 }

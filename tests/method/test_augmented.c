@@ -14,6 +14,7 @@
 #include "failures.h"
 #include "malloc_fails.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 static dls_augmented *new_augmented(const dls_contact *p, const dls_augmented_settings *settings) {
   dls_augmented *work;
@@ -28,7 +29,7 @@ static dls_status solve_augmented(dls_augmented *work, const dls_contact *p,
   const dls_status status = run_in(&the_augmented, work, p, settings->limits.tol, r, u, info);
   const int given = settings->limits.max_iterations;
   ck_assert_int_le(info->iterations, given ? given : 400);
-  if (status == DLS_OK) ck_assert_ptr_null(dls_augmented_direction(work));
+  if (status == DLS_OK) ck_assert_ptr_null(dlsi_augmented_direction(work));
   return status;
 }
 
@@ -180,12 +181,12 @@ START_TEST(no_solution_gives_a_direction) {
   const dls_augmented_settings s = augmented_tol(1e-8);
   const int m = k->d * k->nc;
   dls_augmented *work = new_augmented(&a.p, &s);
-  ck_assert_ptr_null(dls_augmented_direction(work));
+  ck_assert_ptr_null(dlsi_augmented_direction(work));
   double r[4], u[4];
   dls_info info;
   ck_assert_int_eq(solve_augmented(work, &a.p, &s, r, u, &info), DLS_STALLED);
   ck_assert(info.certificate.residual > 0.1 && isfinite(info.certificate.residual));
-  const double *delta = dls_augmented_direction(work);
+  const double *delta = dlsi_augmented_direction(work);
   ck_assert_ptr_nonnull(delta);
   double gain = 0;
   for (int i = 0; i < m; i++) {
@@ -223,7 +224,7 @@ START_TEST(a_light_candidate_runs_away) {
   double r[4];
   dls_info info;
   ck_assert_int_eq(solve_augmented(work, &a.p, &s, r, NULL, &info), DLS_STALLED);
-  const double *delta = dls_augmented_direction(work);
+  const double *delta = dlsi_augmented_direction(work);
   ck_assert_ptr_nonnull(delta);
   for (int k = 0; k < 4; k++)
     ck_assert_double_eq_tol(delta[k], k < 2 ? 0 : 5 - 2 * k, 1e-3);
@@ -251,7 +252,7 @@ START_TEST(gain_of_a_direction) {
       dls_info info;
       dls_augmented *work = new_augmented(&a.p, &s);
       const dls_status status = solve_augmented(work, &a.p, &s, r, NULL, &info);
-      const double *direction = dls_augmented_direction(work);
+      const double *direction = dlsi_augmented_direction(work);
       ck_assert_int_eq(status, DLS_STALLED);
       ck_assert_int_eq(direction != NULL, k < 2);
       for (int c = 0; direction && c < 3; c++)
@@ -276,7 +277,7 @@ START_TEST(catalogue) {
     const int solves = failure_says(f, "augmented-lagrangian", DLS_OK);
     ck_assert_msg(status == (solves ? DLS_OK : DLS_STALLED), "%s: %s", f->name,
                   dls_status_name(status));
-    if (f->none || solves) ck_assert_int_eq(dls_augmented_direction(work) != NULL, f->none);
+    if (f->none || solves) ck_assert_int_eq(dlsi_augmented_direction(work) != NULL, f->none);
     dls_augmented_destroy(work);
   }
   ck_assert_int_ge(problems, 27);
@@ -295,13 +296,13 @@ START_TEST(too_stiff) {
   dls_info info;
   ck_assert_int_eq(solve_augmented(work, &a.p, &s, r, NULL, &info), DLS_STALLED);
   ck_assert_int_eq(info.iterations, 1);
-  ck_assert_ptr_null(dls_augmented_direction(work));
+  ck_assert_ptr_null(dlsi_augmented_direction(work));
   dls_augmented_destroy(work);
   s.adaptive = 1;
   work = new_augmented(&a.p, &s);
   ck_assert_int_eq(solve_augmented(work, &a.p, &s, r, NULL, &info), DLS_STALLED);
   ck_assert_int_gt(info.iterations, 1);
-  ck_assert_ptr_nonnull(dls_augmented_direction(work));
+  ck_assert_ptr_nonnull(dlsi_augmented_direction(work));
   dls_augmented_destroy(work);
 }
 END_TEST
@@ -471,7 +472,7 @@ START_TEST(direction_of_an_early_end) {
     s.limits.max_iterations = k;
     ck_assert_int_eq(dls_augmented_create(&work, 2, 1, &s, NULL), DLS_OK);
     ck_assert_int_eq(dls_augmented_solve(work, &p, r, NULL, NULL, NULL), DLS_MAX_ITERATIONS);
-    const double *delta = dls_augmented_direction(work);
+    const double *delta = dlsi_augmented_direction(work);
     ck_assert_int_eq(delta != NULL, k > 1); /* the first one fills the gap */
     if (delta) ck_assert(delta[0] == 1 && fabs(delta[1] + 1) < 1e-4);
     dls_augmented_destroy(work);
@@ -506,7 +507,7 @@ START_TEST(bad_create) {
   s = good;
   s.adaptive = -1;
   refuses_to_create(&the_augmented, DLS_E_ARGUMENT, "adaptive", -1, 2, 1, &s);
-  ck_assert_ptr_null(dls_augmented_direction(NULL));
+  ck_assert_ptr_null(dlsi_augmented_direction(NULL));
 }
 END_TEST
 

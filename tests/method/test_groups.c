@@ -20,6 +20,7 @@ enum { newton_steps = 1 };
 #define ROOT(x) ((V){sqrt((x)[0])})
 #define ANY(m)  ((m)[0] != 0)
 #include "vi/groups_kernel.h"
+#include "vi/vi_internal.h"
 
 static const char *const kinds[] = {"packing-flow", "packing-rest", "discs-flow", "wall-pushed"};
 static rigid made;
@@ -149,7 +150,7 @@ START_TEST(odd_candidates) {
   for (int sweep = 0; sweep < 500; sweep++) /* l of mu = 0 must not grow from each to the next */
     (void)dlsi_groups_sweep(&g, NULL, r, (double *)v);
   for (int c = 0; c < nc; c++) {
-    (void)dls_nlgs_local(d, x + d * d * c, q + d * c, mu[c], s, NULL);
+    (void)dlsi_nlgs_local(d, x + d * d * c, q + d * c, mu[c], s, NULL);
     for (int k = 0; k < d; k++)
       ck_assert_double_le(fabs(s[k] - r[d * c + k]), 1e-12);
   }

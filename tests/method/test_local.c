@@ -61,7 +61,7 @@ typedef struct local_case {
   double W[9]; /* by rows, as one reads it */
   double q[3], mu;
   double r[3];
-  dls_local_state state;
+  dlsi_local_state state;
   int count;
 } local_case;
 
@@ -125,7 +125,7 @@ START_TEST(by_hand) {
   double W[9], r[3] = {7, 7, 7};
   int count = -1;
   transpose(k->d, k->W, W);
-  const dls_local_state state = dls_nlgs_local(k->d, W, k->q, k->mu, r, &count);
+  const dlsi_local_state state = dlsi_nlgs_local(k->d, W, k->q, k->mu, r, &count);
   ck_assert_msg(state == k->state, "%s: state %d", k->name, state);
   ck_assert_msg(count == k->count, "%s: count %d", k->name, count);
   for (int i = 0; i < k->d; i++)
@@ -133,7 +133,7 @@ START_TEST(by_hand) {
                   k->name, i, r[i]);
   if (k->d == 2) ck_assert(r[2] == 7); /* not ours */
   ck_assert(violation(k->d, W, k->q, k->mu, r) <= 8 * DBL_EPSILON);
-  ck_assert_int_eq(dls_nlgs_local(k->d, W, k->q, k->mu, r, NULL), state);
+  ck_assert_int_eq(dlsi_nlgs_local(k->d, W, k->q, k->mu, r, NULL), state);
 }
 END_TEST
 
@@ -142,7 +142,7 @@ START_TEST(units) {
   const local_case *k = &cases[_i];
   double W[9], V[9], q[3], r[3], s[3];
   transpose(k->d, k->W, W);
-  (void)dls_nlgs_local(k->d, W, k->q, k->mu, r, NULL);
+  (void)dlsi_nlgs_local(k->d, W, k->q, k->mu, r, NULL);
   for (int a = -30; a <= 30; a += 30)
     for (int b = -30; b <= 30; b += 30) {
       for (int e = 0; e < k->d * k->d; e++)
@@ -150,7 +150,7 @@ START_TEST(units) {
       for (int i = 0; i < k->d; i++)
         q[i] = ldexp(k->q[i], a);
       int count;
-      ck_assert_int_eq(dls_nlgs_local(k->d, V, q, k->mu, s, &count), k->state);
+      ck_assert_int_eq(dlsi_nlgs_local(k->d, V, q, k->mu, s, &count), k->state);
       ck_assert_int_eq(count, k->count);
       for (int i = 0; i < k->d; i++)
         ck_assert(s[i] == ldexp(r[i], b));
@@ -195,7 +195,7 @@ START_TEST(no_solution) {
   double W[9], r[3] = {NAN, NAN, NAN};
   int count = -1;
   transpose(k->d, k->W, W);
-  ck_assert_int_eq(dls_nlgs_local(k->d, W, k->q, k->mu, r, &count), DLS_LOCAL_NONE);
+  ck_assert_int_eq(dlsi_nlgs_local(k->d, W, k->q, k->mu, r, &count), DLS_LOCAL_NONE);
   ck_assert_int_eq(count, 0);
   for (int i = 0; i < k->d; i++)
     ck_assert(isfinite(r[i]));
@@ -256,7 +256,7 @@ START_TEST(random_blocks) {
     int solved = 0;
     const clock_t start = clock();
     for (int k = 0; k < batch; k++)
-      solved += dls_nlgs_local(d, W + d * d * k, q + d * k, mu[k], r + d * k, NULL) > 0;
+      solved += dlsi_nlgs_local(d, W + d * d * k, q + d * k, mu[k], r + d * k, NULL) > 0;
     spent += clock() - start;
     ck_assert_int_eq(solved, batch);
     for (int k = 0; k < batch; k++) {
@@ -264,7 +264,7 @@ START_TEST(random_blocks) {
       if (!(v <= worst)) worst = v;
       double s[3];
       int count = 0;
-      if (k % 10 == 0) (void)dls_nlgs_local(d, W + d * d * k, q + d * k, mu[k], s, &count);
+      if (k % 10 == 0) (void)dlsi_nlgs_local(d, W + d * d * k, q + d * k, mu[k], s, &count);
       several += count > 1;
     }
   }
@@ -293,9 +293,9 @@ START_TEST(turned_tangents) {
             V[i + 3 * j] += Q[i + 3 * a] * W[a + 3 * b] * Q[j + 3 * b];
       }
     int count;
-    const dls_local_state state = dls_nlgs_local(3, W, q, mu, r, &count);
+    const dlsi_local_state state = dlsi_nlgs_local(3, W, q, mu, r, &count);
     if (count > 1) continue; /* which slip is not said */
-    ck_assert_int_eq(dls_nlgs_local(3, V, p, mu, s, NULL), state);
+    ck_assert_int_eq(dlsi_nlgs_local(3, V, p, mu, s, NULL), state);
     for (int i = 0; i < 3; i++) {
       double turned = 0;
       for (int j = 0; j < 3; j++)
@@ -312,17 +312,17 @@ START_TEST(tiny_reactions) {
   for (int k = 0; k < 2000; k++) {
     double W[9], q[3], p[3], mu, r[3], s[3], least[3];
     random_block(3, 0, W, q, &mu);
-    const dls_local_state state = dls_nlgs_local(3, W, q, mu, r, NULL);
+    const dlsi_local_state state = dlsi_nlgs_local(3, W, q, mu, r, NULL);
     for (int i = 0; i < 3; i++)
       p[i] = ldexp(q[i], -400);
-    ck_assert_int_eq(dls_nlgs_local(3, W, p, mu, s, NULL), state);
+    ck_assert_int_eq(dlsi_nlgs_local(3, W, p, mu, s, NULL), state);
     for (int i = 0; i < 3; i++)
       ck_assert_double_eq_tol(ldexp(s[i], 400), r[i], 1e-11 * fabs(r[0]));
     if (state != DLS_LOCAL_SLIP || hypot(W[1], W[2]) * mu > 0.5 * W[0]) continue;
     p[0] = -1e-200;
     p[1] = q[1];
     p[2] = q[2];
-    ck_assert_int_eq(dls_nlgs_local(3, W, p, mu, least, NULL), DLS_LOCAL_SLIP);
+    ck_assert_int_eq(dlsi_nlgs_local(3, W, p, mu, least, NULL), DLS_LOCAL_SLIP);
     const double slip = hypot(q[1], q[2]), e[2] = {-q[1] / slip, -q[2] / slip};
     const double n = 1e-200 / (W[0] + mu * (W[3] * e[0] + W[6] * e[1]));
     ck_assert_double_eq_tol(least[0] / n, 1, 1e-12);
@@ -384,7 +384,7 @@ START_TEST(least_bad_points) {
     for (int side = -1; side <= 1; side += 2) {
       const double W[4] = {1, side * points[k].c, side, points[k].B}, q[2] = {-2, 0};
       double r[2];
-      ck_assert_int_eq(dls_nlgs_local(2, W, q, points[k].mu, r, NULL), DLS_LOCAL_NONE);
+      ck_assert_int_eq(dlsi_nlgs_local(2, W, q, points[k].mu, r, NULL), DLS_LOCAL_NONE);
       ck_assert(r[0] == points[k].r[0] && r[1] == side * points[k].r[1]);
     }
   /* W_nn <= 0: r = 0, also where the trace is negative, or all of W is 0 */
@@ -393,7 +393,7 @@ START_TEST(least_bad_points) {
     for (int mu = 0; mu < 2; mu++) {
       const double p[3] = {-1, 0.5, 0};
       double s[3] = {7, 7, 7};
-      ck_assert_int_eq(dls_nlgs_local(3, V[k], p, mu, s, NULL), DLS_LOCAL_NONE);
+      ck_assert_int_eq(dlsi_nlgs_local(3, V[k], p, mu, s, NULL), DLS_LOCAL_NONE);
       ck_assert(s[0] == 0 && s[1] == 0 && s[2] == 0);
     }
 }
@@ -418,7 +418,7 @@ START_TEST(edges_of_the_cone) {
         q[i] -= W[i + d * j] * at[j];
     }
     if (!(q[0] < 0)) continue;
-    const dls_local_state state = dls_nlgs_local(d, W, q, mu, r, &count);
+    const dlsi_local_state state = dlsi_nlgs_local(d, W, q, mu, r, &count);
     ck_assert_msg(state == DLS_LOCAL_STICK || state == DLS_LOCAL_SLIP, "%d: state %d", k, state);
     ck_assert_int_eq(count, 1);
     for (int i = 0; i < d; i++)
@@ -447,12 +447,12 @@ START_TEST(one_dimension) {
   static const double W[] = {2, 2, 2, -1, -1, 2}, q[] = {-3, 3, 0, 1, -1, -INFINITY};
   static const double r[] = {1.5, 0, 0, 0, 0, 0};
   static const int count[] = {1, 1, 1, 2, 0, 0};
-  static const dls_local_state state[] = {DLS_LOCAL_STICK, DLS_LOCAL_FREE, DLS_LOCAL_FREE,
-                                          DLS_LOCAL_FREE,  DLS_LOCAL_NONE, DLS_LOCAL_NONE};
+  static const dlsi_local_state state[] = {DLS_LOCAL_STICK, DLS_LOCAL_FREE, DLS_LOCAL_FREE,
+                                           DLS_LOCAL_FREE,  DLS_LOCAL_NONE, DLS_LOCAL_NONE};
   for (int k = 0; k < 6; k++) {
     double s[2] = {7, 7};
     int n = -1;
-    ck_assert_int_eq(dls_nlgs_local(1, W + k, q + k, 0, s, &n), state[k]);
+    ck_assert_int_eq(dlsi_nlgs_local(1, W + k, q + k, 0, s, &n), state[k]);
     ck_assert(s[0] == r[k] && s[1] == 7);
     ck_assert_int_eq(n, count[k]);
   }

@@ -99,7 +99,7 @@ static void direct_sweep(direct *t) {
     if (d == 1)
       s[0] = p[0] < 0 ? -p[0] / W[0] : 0;
     else
-      (void)dls_nlgs_local(d, W, p, t->p->mu[c], s, NULL);
+      (void)dlsi_nlgs_local(d, W, p, t->p->mu[c], s, NULL);
     for (int i = 0; i < d; i++)
       v[i] = t->omega == 1 ? s[i] : rc[i] + t->omega * (s[i] - rc[i]);
     if (t->omega == 1)

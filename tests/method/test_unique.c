@@ -143,7 +143,7 @@ START_TEST(each_has_its_own_friction) {
   const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, W}, .q = q, .mu = mu};
   ck_assert_int_eq(dlsi_count_ambiguous(&p, r, u, other), 1);
   double own[3];
-  ck_assert(dls_nlgs_local(3, B, q, mu[0], own, NULL) != DLS_LOCAL_NONE);
+  ck_assert(dlsi_nlgs_local(3, B, q, mu[0], own, NULL) != DLS_LOCAL_NONE);
   ck_assert(memcmp(own, other, sizeof own) == 0 && memcmp(r + 3, other + 3, sizeof own) == 0);
 }
 END_TEST

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "delassus/files.h"
+#include "files/file.h"
 
 static int by_name(const void *a, const void *b) {
   return strcmp(a, b);
@@ -71,7 +72,7 @@ static int take_solve(failure *f, const char *text) {
 static int add_point(failure_point *list, int *count, int continuum, int n, const char *text) {
   if (*count == FAILURE_POINTS) return 0;
   list[*count].continuum = continuum;
-  return dls_text_numbers(text, n, list[(*count)++].x);
+  return dlsi_text_numbers(text, n, list[(*count)++].x);
 }
 
 /* One line that is no part of the problem; 1 if it is understood. */
@@ -122,7 +123,7 @@ int failure_read(const char *directory, const char *name, failure *f, char *why)
   }
   int good = take_problem(f, text);
   if (!good) snprintf(why, 200, "%.150s is too large", path);
-  for (int k = 0; good && (line = dls_text_line(text, k, &key)); k++) {
+  for (int k = 0; good && (line = dlsi_text_line(text, k, &key)); k++) {
     good = take(f, key, line);
     if (!good) snprintf(why, 200, "%.100s: '%.15s %.50s' is not understood", path, key, line);
   }

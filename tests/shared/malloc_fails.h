@@ -1,7 +1,7 @@
 /*
  * malloc_fails.h: make the k-th allocation of our own code fail. The test programs are linked with
- * --wrap=malloc, so that every malloc, calloc and realloc of libdelassus (not of BLAS, HDF5 or
- * Check) passes through here.
+ * --wrap=malloc, so that every malloc, calloc and realloc of libdelassus (not of MUMPS, BLAS,
+ * HDF5 or Check) passes through here.
  */
 #ifndef MALLOC_FAILS_H
 #define MALLOC_FAILS_H

@@ -10,6 +10,7 @@
 #include "front_cases.h"
 #include "run.h"
 #include "trails.h"
+#include "vi/vi_internal.h"
 
 /* ---- what a run leaves ----------------------------------------------------------------------- */
 
@@ -314,7 +315,7 @@ void trails_local(int number, unsigned *disturbance, trail *t) {
       W[i * (d + 1)] *= 1 + 1e-14 * draw(disturbance);
     }
     int count;
-    trails_count(t, (int)dls_nlgs_local(d, W, q, mu, r, &count));
+    trails_count(t, (int)dlsi_nlgs_local(d, W, q, mu, r, &count));
     trails_count(t, count);
     trails_vector(t, r, d);
     trails_sum(t, norm_of(r, d));

@@ -120,6 +120,18 @@ int __wrap_fsync(int fd);
 int __wrap_rename(const char *from, const char *to);
 int __wrap_fclose(FILE *file);
 
+#if WITH_MUMPS
+void __real_dlsi_dmumps(void *mumps);
+void __wrap_dlsi_dmumps(void *mumps);
+
+void __wrap_dlsi_dmumps(void *mumps) {
+  const int before = counting;
+  counting = 0;
+  __real_dlsi_dmumps(mumps);
+  counting = before;
+}
+#endif
+
 void *__wrap_malloc(size_t size) {
   return fails(MALLOC) ? NULL : note_block(__real_malloc(size));
 }

@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include "delassus.h"
+#include "files/file.h"
 #include "fuzz.h"
+#include "vi/vi_internal.h"
 
 enum { most_m = fuzz_rows, most_rows = 120, most_count = 9 };
 
@@ -58,23 +60,6 @@ static void convert_bodies(const dls_contact *problem) {
   double r[most_m] = {0};
   dls_certificate seen;
   (void)!dls_contact_certify(&blocks, r, NULL, &seen, &error);
-}
-
-/* The four matrices of normals and tangents, taken out and put together again. */
-static void take_apart(const dls_contact *problem, fuzz_bytes *b) {
-  double block[most_m * most_m], W[most_m * most_m];
-  dls_error error;
-  const int d = problem->d, nc = problem->nc, m = d * nc;
-  memset(W, 0, sizeof W);
-  for (int k = 0; k < 4; k++) {
-    const dls_component row = (dls_component)(k / 2), col = (dls_component)(k % 2);
-    const int ld = take_byte(b) < 8 ? take_int(b, -1, most_m) : m > 0 ? m : 1;
-    if (d == 1 && k > 0) break;
-    if (dls_contact_get_block(problem, row, col, block, ld, &error)) return;
-    if (dls_contact_set_block(d, nc, row, col, block, ld, W, m > 0 ? m : 1, &error)) return;
-  }
-  for (int k = 0; problem->W.a && problem->W.ld == m && k < m * m; k++)
-    FUZZ_CHECK(W[k] == problem->W.a[k]);
 }
 
 static void take_subset(const dls_contact *problem, fuzz_bytes *b) {
@@ -272,8 +257,8 @@ static void use_tools(fuzz_bytes *b) {
   const int d = take_int(b, 1, 3);
   take_vector(b, d * d, W);
   take_vector(b, d, q);
-  (void)dls_nlgs_local(d, W, q, take_byte(b) < 200 ? take_byte(b) / 100.0 : take_value(b), r,
-                       &count);
+  (void)dlsi_nlgs_local(d, W, q, take_byte(b) < 200 ? take_byte(b) / 100.0 : take_value(b), r,
+                        &count);
   for (int k = 0; k < d; k++)
     FUZZ_CHECK(isfinite(r[k]));
   const int nodes = take_int(b, -1, 8);
@@ -300,7 +285,7 @@ static void use_tools(fuzz_bytes *b) {
   text[63] = '\0';
   dls_method method;
   dls_acceleration acceleration;
-  (void)dls_text_numbers(text, take_int(b, 0, 8), s);
+  (void)dlsi_text_numbers(text, take_int(b, 0, 8), s);
   (void)!dls_method_find(text, &method);
   (void)!dls_acceleration_find(text, &acceleration);
 }
@@ -320,7 +305,6 @@ void fuzz_doors(const unsigned char *data, size_t size) {
     convert_bodies(&problem);
     break;
   case 1:
-    take_apart(&problem, &b);
     break;
   case 2:
     take_subset(&problem, &b);

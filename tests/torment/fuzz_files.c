@@ -8,6 +8,7 @@
 #endif
 
 #include "delassus.h"
+#include "files/file.h"
 #include "fuzz.h"
 
 /* ---- FCLIB ----------------------------------------------------------------------------------- */
@@ -240,7 +241,7 @@ void fuzz_text(const unsigned char *data, size_t size) {
   dls_contact contact;
   if (dls_text_read(&text, fuzz_file(data, size), NULL)) return;
   const char *key;
-  for (int k = 0; dls_text_line(text, k, &key); k++)
+  for (int k = 0; dlsi_text_line(text, k, &key); k++)
     FUZZ_CHECK(strlen(key) < size);
   if (dls_text_is_lcp(text)) {
     int n;
