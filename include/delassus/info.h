@@ -123,10 +123,11 @@ typedef struct dls_info {
   int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations;
                      auto: of all stages */
   dls_certificate certificate; /* of the r that is returned */
-  double error;  /* predicted |r - r*| / |r|, to first order, if W has up to 60 rows, or if a dense
-                   W of up to 300 rows has few large eigenvalues, as for bodies on soft springs;
-                   INFINITY: W does not determine r; 0: not predicted. The error of elastic bodies
-                   is 1 to 100 times the residual */
+  double error;  /* predicted |r - r*| / |r|, to first order and at least that of rounding, if W has
+                   up to 60 rows, or if a dense W of up to 300 rows has few large eigenvalues, as
+                   for bodies on soft springs; INFINITY: W does not determine r, or on the border
+                   of two states their matrices differ in sign; 0: not predicted. The error of
+                   elastic bodies is 1 to 100 times the residual */
   int ambiguous; /* nlgs, auto: contacts with several solutions if the others are frozen */
   dls_uniqueness unique; /* auto: of a certified answer */
   int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton

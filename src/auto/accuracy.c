@@ -19,34 +19,34 @@ static double predict(dlsi_auto *work) {
   if (work->options.lazy && dlsi_room_dense(&work->room, m, NULL)) return INFINITY;
   dlsi_auto_set_weights(work);
   work->room.owner = work;
-  dlsi_contact_multiply(problem, NULL, work->best, work->v[0], NULL);
   const double predicted =
-      dlsi_predict_error(problem, work->best, work->v[0], work->weights, work->room.J, work->v[1]);
+      dlsi_predict_error(problem, work->best, work->weights, work->room.J, work->v[1]);
   work->info.error = predicted < 0 ? INFINITY : predicted; /* not determined */
-  work->amplified = work->info.error / work->info.certificate.residual;
+  work->amplified = work->info.error / fmax(work->info.certificate.residual, DBL_EPSILON);
   return predicted;
 }
 
-dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error) {
+dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_status status, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double tol = work->options.limits.tol, enough = fmax(dlsi_auto_accurate, 100 * tol);
   const dls_certificate *best = &work->info.certificate;
   const int rows = problem->W.a ? dlsi_predicted_rows : dlsi_predicted_of_blocks;
-  if (m > (size_t)rows || best->residual == 0) return DLS_OK;
+  if (m > (size_t)rows) return status;
   const int known = work->amplified > 0 && work->last_nc == problem->nc;
-  if (work->options.limits.warm_start && known && work->amplified * best->residual <= enough) {
-    work->info.error = work->amplified * best->residual; /* (AC2) */
-    return DLS_OK;
+  const double likely = work->amplified * fmax(best->residual, DBL_EPSILON);
+  if (work->options.limits.warm_start && known && likely <= enough) {
+    work->info.error = likely; /* (AC2) */
+    return status;
   }
   dlsi_auto_set_weights(work);
-  if (!dlsi_may_hide_error(problem, work->weights, &work->info)) return DLS_OK; /* (AC1) */
-  dls_status status = DLS_OK;
+  if (!dlsi_may_hide_error(problem, work->weights, &work->info)) return status; /* (AC1) */
   double before = INFINITY;
-  for (int turn = 0; status == DLS_OK; turn++) {
+  for (int turn = 0; turn == 0 || status == DLS_OK; turn++) {
     const double predicted = predict(work);
+    if (status != DLS_OK) break; /* no better one to rounding */
     if (!(predicted > enough && predicted < before / 2) || turn == dlsi_auto_accurate_turns) break;
-    if (dlsi_auto_has_plan(work)) break; /* followed once */
+    if (dlsi_auto_has_plan(work) || best->residual <= DBL_EPSILON) break; /* followed once */
     before = predicted;
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
     status = dlsi_auto_follow(work, dlsi_auto_first_plan(work), error);

@@ -77,8 +77,11 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
     memset(r, 0, m * sizeof *r);
   if (u) memcpy(u, pressed ? v : problem->q, m * sizeof *u);
   if (!info) return 1;
+  double J[most_rows * most_rows], own[most_rows];
+  const double predicted = pressed ? dlsi_predict_error(problem, x, w, J, own) : 0;
   *info = (dls_info){.method = DLS_AUTO, .iterations = pressed, .stages = pressed};
   info->certificate = certificate;
+  info->error = predicted < 0 ? INFINITY : predicted; /* not determined */
   if (pressed) info->ambiguous = dlsi_count_ambiguous(problem, x, v, NULL);
   if (pressed)
     info->stage[0] =

@@ -116,7 +116,8 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (status < 0) return status;
   status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
   status = dlsi_auto_prove(work, work->problem, status);
-  if (status == DLS_OK) status = dlsi_auto_take_to_accuracy(work, error);
+  if (status == DLS_OK || status == DLS_TO_ROUNDING)
+    status = dlsi_auto_take_to_accuracy(work, status, error);
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);

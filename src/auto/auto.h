@@ -294,7 +294,7 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error);
  * succeeds the best r is the improved one, and the status DLS_OK or DLS_TO_ROUNDING. */
 dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_status status);
 
-dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error);
+dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_status status, dls_error *error);
 
 /* Sets info.ambiguous and info.unique. u: of r; NULL: not known. */
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r, const double *u);

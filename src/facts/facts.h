@@ -29,11 +29,11 @@ int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const doub
 
 enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 
-/* Returns |r - r*| / |r| to first order, in the states that r has; 0 if nothing touches, -1 if the
- * reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w: weights of the
- * certificate. J: scratch, m x m. x: scratch, m. */
-double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
-                          double *J, double *x);
+/* Returns |r - r*| / |r| to first order, in the states that r has, at least that of rounding; 0 if
+ * nothing touches, -1 if the reactions are not determined. For up to dlsi_predicted_rows rows. w:
+ * weights of the certificate. J: scratch, m x m. x: scratch, m. */
+double dlsi_predict_error(const dls_contact *problem, const double *r, double *w, double *J,
+                          double *x);
 
 /* Returns 1 if `cost` multiplications are at most a twentieth of what the iterations and
  * factorisations of a solve with m rows took. */

@@ -16,6 +16,11 @@
  *          1e-8 |q| and more 1e-5 |q| or |F|, count as stick
  *   (SN5)  where that step takes contacts out of their cones, once more from there, these on their
  *          cones and slipping
+ *   (SN7)  on the border of two states r is determined only if the matrices of both have
+ *          determinants of the same sign. With A where contact c sticks, B = (A^-1)_cc, and the
+ *          direction t of r_t, or of B_nt if r_c = 0, the determinants over that of A are
+ *          free: det B,   slip: t.B_tt t - mu B_nt t
+ *   (SN8)  and the error is at least that of u = W r + q rounded: eps (|W||r| + |q|)
  *   (SN6)  W of more than 60 rows may hide an error if it has few large eigenvalues:
  *          (tr S)^2 / |S|^2 < max(12, m / 16), S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the
  *          weights of the certificate. For k equal eigenvalues and no others the left side is k;
@@ -23,9 +28,9 @@
  *          times their residual. And an answer that took so long that its prediction is at most a
  *          twentieth of the work may hide an error, too
  *
- * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail:
- * states that change between r and r*, candidates on the border of two: then A holds on one side
- * only.
+ * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU, and d solves for
+ * each contact on a border. What can fail: states that change between r and r*; two contacts that
+ * change from one border together.
  */
 #include <float.h>
 #include <limits.h>
@@ -43,6 +48,7 @@ static const double border =
 
 static const double within = 1000, small_u = 1e-5;               /* (SN4) */
 enum { prediction_turns = 3 };                                   /* (SN5) */
+static const double few_F = 10, few_roundings = 16;              /* (SN7) width of a border */
 static const double few_directions = 12, rows_of_direction = 16; /* (SN6) */
 static const double small_part = .05;                            /* of the work of a solve */
 
@@ -218,13 +224,95 @@ static int prediction_is_regular(const dlsi_dense *f) {
   return least > 4 * f->n * DBL_EPSILON * most;
 }
 
-/* (SN4) work->x := the step from r to r*. slips: contacts that slip, whatever they look like.
- * Returns 0 where A is singular. */
-static int prediction_step(sensitivity_work *work, const unsigned char *slips, double *J) {
+/* y := the rows of v over their weights. */
+static void prediction_rows(const sensitivity_work *work, const double *v, double *y) {
+  dlsi_branches_rows(work->problem->d, work->problem->nc, work->branch, v, y);
+  for (int c = 0; c < work->problem->nc; c++)
+    for (int i = 0; i < work->branch[c].count; i++)
+      y[work->branch[c].first + i] /= work->w[2 * c + (i > 0)];
+}
+
+/* y := A^-1 y and x := E y. scale: of the columns of A. */
+static void prediction_solve(const sensitivity_work *work, const dlsi_dense *f, const double *scale,
+                             double *y, double *x) {
+  dlsi_dense_solve(f, y, f->n, 1);
+  for (int j = 0; j < f->n; j++)
+    y[j] *= scale[j];
+  memset(x, 0, (size_t)work->problem->d * (size_t)work->problem->nc * sizeof *x);
+  dlsi_branches_add_directions(work->problem->d, work->problem->nc, work->branch, y, x);
+}
+
+/* (SN8) Returns |E A^-1 e| for e = +-eps a, with the signs for which Hager's estimate of |A^-1| is
+ * largest (Higham, Accuracy and Stability of Numerical Algorithms, 15.3). x: scratch, m. */
+static double prediction_rounding(const sensitivity_work *work, const dlsi_dense *f,
+                                  const double *scale, const double *a, double *x) {
+  enum { most = dlsi_predicted_rows };
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  double e[most], y[most];
+  prediction_rows(work, a, e);
+  for (int j = 0; j < f->n; j++)
+    y[j] = (j % 2 ? -e[j] : e[j]) * (1 + (double)j / f->n);
+  prediction_solve(work, f, scale, y, x);
+  for (int j = 0; j < f->n; j++)
+    y[j] = y[j] < 0 ? -scale[j] : scale[j];
+  dlsi_dense_solve_transposed(f, y);
+  for (int j = 0; j < f->n; j++)
+    y[j] = y[j] < 0 ? -e[j] : e[j];
+  prediction_solve(work, f, scale, y, x);
+  return DBL_EPSILON * dlsi_norm2(x, m);
+}
+
+static double determinant(int n, const double (*B)[3]) {
+  if (n == 1) return B[0][0];
+  if (n == 2) return B[0][0] * B[1][1] - B[0][1] * B[1][0];
+  return B[0][0] * (B[1][1] * B[2][2] - B[1][2] * B[2][1]) -
+         B[0][1] * (B[1][0] * B[2][2] - B[1][2] * B[2][0]) +
+         B[0][2] * (B[1][0] * B[2][1] - B[1][1] * B[2][0]);
+}
+
+/* (SN7) Returns 0 if contact c, within `close` of the border of two states, has matrices whose
+ * determinants differ in sign. */
+static int prediction_has_one_side(const sensitivity_work *work, const dlsi_dense *f, int c,
+                                   double close) {
+  enum { most = dlsi_predicted_rows };
+  const dlsi_branch *at = &work->branch[c];
+  const int d = work->problem->d, n = at->count;
+  const double *w = work->w + 2 * c, *r = work->r + d * c, *u = work->u + d * c;
+  const double size = dlsi_tangent_norm(d, r), slip = dlsi_tangent_norm(d, u), mu = at->mu;
+  const int opens = w[0] * r[0] <= close && u[0] <= close;
+  const int slips = mu > 0 && at->state == DLS_STICK && n > 1 && !dlsi_is_bonded(mu) &&
+                    slip <= close && w[1] * (mu * r[0] - size) <= close;
+  double B[3][3] = {{0}}, y[most], t[2] = {0, 0}, tBt = 0, nBt = 0;
+  if (n == 0 || !(opens || slips)) return 1;
+  for (int j = 0; j < n; j++) {
+    memset(y, 0, (size_t)f->n * sizeof *y);
+    y[at->first + j] = 1 / w[j > 0];
+    dlsi_dense_solve(f, y, f->n, 1);
+    for (int i = 0; i < n; i++)
+      B[i][j] = y[at->first + i];
+  }
+  if (opens && !(determinant(n, (const double(*)[3])B) > 0)) return 0;
+  if (!slips) return 1;
+  const double *from = opens ? B[0] : r, length = opens ? dlsi_tangent_norm(d, B[0]) : size;
+  for (int i = 1; i < n; i++)
+    t[i - 1] = length > 0 ? from[i] / length : i == 1;
+  for (int i = 1; i < n; i++) {
+    nBt += B[0][i] * t[i - 1];
+    for (int j = 1; j < n; j++)
+      tBt += t[i - 1] * B[i][j] * t[j - 1];
+  }
+  return tBt - mu * nBt > 0;
+}
+
+/* (SN4) x := the step from r to r*. slips: contacts that slip, whatever they look like. a: |W||r|
+ * + |q|, or NULL after the first step; rounding: (SN8), 0 without a. Returns 0 where r is not
+ * determined. */
+static int prediction_step(sensitivity_work *work, const unsigned char *slips, const double *a,
+                           double *J, double *rounding) {
   enum { most = dlsi_predicted_rows };
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  double y[2 * most], *x = work->x;
+  double scale[2 * most], beside[most], *x = work->x;
   int pivot[most];
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = d * (size_t)c;
@@ -232,29 +320,32 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
                                          work->u + o, x + o);
   }
   const double F = dlsi_norm2(x, m), q = dlsi_norm2(problem->q, m);
-  const double close = fmin(within * F, fmax(F, small_u * q)); /* F would hide less than these u */
+  const double small = fmin(within * F, fmax(F, small_u * q)); /* F would hide less than these u */
   for (int c = 0; c < problem->nc; c++) {
     const double *uc = work->u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
+    double size = 0;
+    for (size_t i = 0; a && i < d; i++)
+      size = fmax(size, a[d * (size_t)c + i]);
+    beside[c] = fmax(few_F * F, few_roundings * DBL_EPSILON * size);
+    const double close = a ? fmax(small, beside[c]) : small;
     if (work->state[c] == DLS_SLIP && slip <= close) work->state[c] = DLS_STICK;
     if (work->state[c] == DLS_FREE && uc[0] <= close) work->state[c] = DLS_STICK;
     if (slips[c] && work->state[c] == DLS_STICK) work->state[c] = DLS_SLIP;
   }
   work->rows = dlsi_branches_set(problem, work->state, work->r, work->u, work->branch);
   memset(x, 0, m * sizeof *x);
+  *rounding = 0;
   const size_t n = (size_t)work->rows;
   if (n == 0) return 1;
-  sensitivity_fill(work, -1, 0, J, y); /* no roots: units of two keep all bits */
+  sensitivity_fill(work, -1, 0, J, scale); /* no roots: units of two keep all bits */
   dlsi_dense f = {.n = work->rows, .A = J, .pivot = pivot};
   if (dlsi_first_not_finite(J, n * n) >= 0 || dlsi_dense_lu(&f)) return 0;
   if (!prediction_is_regular(&f)) return 0;
-  dlsi_branches_rows(problem->d, problem->nc, work->branch, work->u, x);
-  for (size_t j = 0; j < n; j++)
-    y[j] *= x[j];
-  dlsi_dense_solve(&f, y, f.n, 1);
-  for (size_t j = 0; j < n; j++)
-    y[j] *= y[n + j];
-  memset(x, 0, m * sizeof *x);
-  dlsi_branches_add_directions(problem->d, problem->nc, work->branch, y, x);
+  for (int c = 0; a && c < problem->nc; c++)
+    if (!prediction_has_one_side(work, &f, c, beside[c])) return 0;
+  if (a) *rounding = prediction_rounding(work, &f, scale + n, a, x);
+  prediction_rows(work, work->u, beside);
+  prediction_solve(work, &f, scale + n, beside, x);
   return 1;
 }
 
@@ -279,22 +370,25 @@ static int prediction_return(const sensitivity_work *work, unsigned char *slips,
   return left;
 }
 
-double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
-                          double *J, double *x) {
+double dlsi_predict_error(const dls_contact *problem, const double *r, double *w, double *J,
+                          double *x) {
   enum { most = dlsi_predicted_rows };
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dlsi_branch branch[most];
   dls_contact_state state[most];
   int row[most];
   unsigned char slips[most] = {0};
-  double next[2][most], error = 0;
+  double next[2][most], u[most], a[most], error = 0, size = dlsi_norm2(r, m);
   sensitivity_work work = {problem, r, 0, branch, w, u, x, row, state};
+  dlsi_contact_multiply(problem, NULL, r, u, a);
+  for (size_t i = 0; i < m; i++)
+    a[i] += fabs(problem->q[i]);
   for (int turn = 0; turn < prediction_turns; turn++) {
-    double far[most];
-    if (!prediction_step(&work, slips, J)) return turn ? error : -1;
+    double far[most], rounding;
+    if (!prediction_step(&work, slips, turn ? NULL : a, J, &rounding)) return turn ? error : -1;
     for (size_t i = 0; i < m; i++)
       far[i] = r[i] - (work.r[i] - x[i]);
-    error = fmax(error, dlsi_norm2(far, m) / dlsi_norm2(r, m));
+    error = fmax(error, fmax(rounding, dlsi_norm2(far, m)) / size);
     if (!prediction_return(&work, slips, next[turn % 2])) return error;
     work.r = next[turn % 2];
     dlsi_contact_multiply(problem, NULL, work.r, u, NULL);

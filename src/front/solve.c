@@ -83,7 +83,7 @@ static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *er
 }
 
 /* Makes room for the least reactions, and for the prediction of the error of small problems: m^2 +
- * 2 m + 2 nc doubles. */
+ * m + 2 nc doubles. */
 static dls_status solver_make_room(dls_solver *solver, dls_error *error) {
   const dls_solver_settings *s = &solver->settings;
   const size_t nc = (size_t)solver->nc, m = (size_t)solver->d * nc;
@@ -94,7 +94,7 @@ static dls_status solver_make_room(dls_solver *solver, dls_error *error) {
   }
   const size_t most = s->limits.blocks ? dlsi_predicted_of_blocks : dlsi_predicted_rows;
   if (s->method == DLS_AUTO || m == 0 || m > most) return DLS_OK;
-  solver->room = dlsi_alloc(m * m + 2 * m + 2 * nc, sizeof *solver->room);
+  solver->room = dlsi_alloc(m * m + m + 2 * nc, sizeof *solver->room);
   return solver->room ? DLS_OK : dlsi_no_memory(error);
 }
 
@@ -115,11 +115,10 @@ static void solver_predict(const dls_solver *solver, const dls_contact *problem,
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   if (!solver->room || dlsi_is_factored(problem)) return;
   if (!problem->W.a && m > dlsi_predicted_of_blocks) return;
-  double *J = solver->room, *x = J + m * m, *u = x + m, *w = u + m;
+  double *J = solver->room, *x = J + m * m, *w = x + m;
   dlsi_certificate_weights(problem, w);
   if (!dlsi_may_hide_error(problem, w, info)) return;
-  dlsi_contact_multiply(problem, NULL, r, u, NULL);
-  const double predicted = dlsi_predict_error(problem, r, u, w, J, x);
+  const double predicted = dlsi_predict_error(problem, r, w, J, x);
   info->error = predicted < 0 ? INFINITY : predicted; /* W does not determine r */
 }
 

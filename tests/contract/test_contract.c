@@ -713,7 +713,7 @@ START_TEST(memory) {
       const double m = (double)d * nc; /* the front door predicts errors up to 300 rows */
       const int predicts = _i >= direct_doors && s.method != DLS_AUTO && m <= 300;
       const double doubles =
-          matrices(s.method, d, nc, &pivots) + (predicts ? m * m + 2 * m + 2 * nc : 0);
+          matrices(s.method, d, nc, &pivots) + (predicts ? m * m + m + 2 * nc : 0);
       const double vectors = (d == 1 ? 500 : 200 * d) * nc + (pivots ? 700 * lcp_rows(d, nc) : 0);
       const double least = s.method <= DLS_HOMOTOPY ? doubles : 0;
       expect_memory(&s, d, nc, &settings, sizeof(double) * least,

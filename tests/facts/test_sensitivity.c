@@ -168,10 +168,106 @@ START_TEST(error_beyond_the_cone) {
     far = fmax(far, fabs(r[i] - right[i]));
   ck_assert(far <= 1e-3 || info.error >= far / 10);
   const double beside[4] = {0.8787449, 0.1126637, 2.1212566, 1.8560907};
-  double w[4], at[4], J[16], x[4];
+  double w[4], J[16], x[4];
   dlsi_certificate_weights(&p, w);
-  dlsi_contact_multiply(&p, NULL, beside, at, NULL);
-  ck_assert_double_ge(dlsi_predict_error(&p, beside, at, w, J, x), 1e-3);
+  ck_assert_double_ge(dlsi_predict_error(&p, beside, w, J, x), 1e-3);
+}
+END_TEST
+
+/* Contact 0 carries 1. Contact 1, of W_11 = (1 s; s 1) and by itself, is on the border of states:
+ * r = u = 0, or r = (1, side mu). Returns info.error as each method predicts it of this r. Slip has
+ * the determinant 1 + side mu s. */
+static double error_at(double mu, double s, double side, double turn) {
+  const double c = cos(turn), e = sin(turn);
+  const double W[36] = {1, 0, 0, 0, 0,     0,     0, 1, 0, 0,     0, 0, 0, 0, 1, 0,     0, 0,
+                        0, 0, 0, 1, s * c, s * e, 0, 0, 0, s * c, 1, 0, 0, 0, 0, s * e, 0, 1};
+  const double r[6] = {1, 0, 0, side != 0, side * mu * c, side * mu * e}, u[6] = {0},
+               f[2] = {1, mu};
+  double q[6], w[4], J[36], x[6];
+  set_load(6, W, r, u, q);
+  const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, W}, .q = q, .mu = f};
+  dlsi_certificate_weights(&p, w);
+  return dlsi_predict_error(&p, r, w, J, x);
+}
+
+/* The reactions are determined while the determinants of stick, 1 - s^2, free, 1, and slip have one
+ * sign, in any tangent frame. */
+START_TEST(one_sided_matrices) {
+  for (int k = 0; k < 8; k++) {
+    const double turn = 0.8 * k;
+    ck_assert(fabs(error_at(1.5, 0.5, 0, turn)) <= 1e-14); /* apex: 1 - mu s = .25 */
+    ck_assert(error_at(2.5, 0.5, 0, turn) == -1);          /* -.25 */
+    ck_assert(error_at(2.5, -0.5, 0, turn) == -1);
+    ck_assert(fabs(error_at(2.5, 0.5, 1, turn)) <= 1e-14); /* at the cone: 2.25 */
+    ck_assert(error_at(2.5, 0.5, -1, turn) == -1);         /* -.25 */
+    ck_assert(fabs(error_at(1.5, 0.5, -1, turn)) <= 1e-14);
+  }
+  /* without friction: free 1, touching -1 */
+  const double W[4] = {1, 0, 0, -1}, q[2] = {-1, 0}, r[2] = {1, 0}, mu[2] = {0, 0};
+  const dls_contact p = {.d = 1, .nc = 2, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  double w[4], J[4], x[2];
+  dlsi_certificate_weights(&p, w);
+  ck_assert(dlsi_predict_error(&p, r, w, J, x) == -1);
+}
+END_TEST
+
+/* A contact alone that W does not determine: any r with r_n + r_t = 1. Each method says so, auto
+ * too, which solves it without a workspace. Nor is r determined where contact 0 touches without a
+ * reaction: another solution is 111 % away, W has the condition 110. */
+START_TEST(not_determined) {
+  static const double W[4] = {1, 1, 1, 1}, q[2] = {-1, -1}, mu[2] = {0.7, 0};
+  static const double W2[16] = {
+      1.7416077026731358,   -0.72732761419728531, -0.2130459987990192,  -2.7520171230633594,
+      -0.72732761419728531, 5.1409375337731831,   5.6478916050269188,   1.2089856100466294,
+      -0.2130459987990192,  5.6478916050269188,   8.2177312512164509,   -0.75118822279469466,
+      -2.7520171230633594,  1.2089856100466294,   -0.75118822279469466, 5.5455460284271663};
+  static const double q2[4] = {-2.5389711242643402, -6.4389059949802894, -8.9689194740111446,
+                               8.29673425122186};
+  static const double mu2[2] = {8, 1};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  const dls_contact p2 = {.d = 2, .nc = 2, .W = {4, 4, 4, W2}, .q = q2, .mu = mu2};
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  int solved = 0;
+  for (int method = 0; dls_method_name((dls_method)method); method++) {
+    double r[4];
+    dls_info info;
+    s.method = (dls_method)method;
+    if (dls_solve(&p, &s, r, NULL, &info, NULL) != DLS_OK) continue;
+    ck_assert_msg(info.error > 1e300, "%s: %g", dls_method_name(s.method), info.error);
+    solved++;
+  }
+  ck_assert_int_ge(solved, 6);
+  double r[4];
+  dls_info info;
+  ck_assert_int_eq(dls_solve(&p2, NULL, r, NULL, &info, NULL), DLS_OK);
+  ck_assert(info.error > 1 || fabs(r[0] - 1.6734339040379422) < 1e-10);
+}
+END_TEST
+
+/* W = (1 + e, 1; 1, 1 + e), e = 2^-30: rounding of 1e-16 in W r + q is an error of 1e-7 in r, also
+ * where the residual is 0. r* = (-q_0 (1 + e) + q_1, ..) / (2 e + e^2) to 64 bits. */
+START_TEST(error_of_rounding) {
+  const double e = 0x1p-30, W[4] = {1 + e, 1, 1, 1 + e}, mu[2] = {0, 0};
+  const dls_contact p = {.d = 1, .nc = 2, .W = {2, 2, 2, W}, .mu = mu};
+  for (int k = 0; k < 60; k++) {
+    const double q[2] = {-1 - 0x1p-33 * (k % 7), -1 - 0x1p-33 * (k % 5)};
+    dls_contact of = p;
+    double r[2];
+    dls_info info;
+    of.q = q;
+    const dls_status status = dls_solve(&of, NULL, r, NULL, &info, NULL);
+    ck_assert(status == DLS_OK || status == DLS_TO_ROUNDING);
+    const long double under = 2 * (long double)e + (long double)e * e;
+    double far[2], right[2];
+    for (int i = 0; i < 2; i++) {
+      right[i] = (double)((q[1 - i] - q[i] - (long double)e * q[i]) / under);
+      far[i] = r[i] - right[i];
+    }
+    ck_assert(right[0] > 0 && right[1] > 0);
+    ck_assert_double_le(length_of(far, 2), 30 * info.error * length_of(right, 2));
+    ck_assert_double_le(info.error, 1e-6);
+  }
 }
 END_TEST
 
@@ -206,5 +302,6 @@ int main(void) {
   return RUN("sensitivity", NULL, NULL, ONCE(slip_beside_no_friction), ONCE(slip_in_3d),
              ONCE(slip_in_3d_along_the_cone), ONCE(rank_in_any_units),
              ONCE(rank_one_but_for_rounding), ONCE(borders_between_states),
-             ONCE(error_beyond_the_cone), ONCE(many_bodies_on_soft_springs));
+             ONCE(error_beyond_the_cone), ONCE(one_sided_matrices), ONCE(not_determined),
+             ONCE(error_of_rounding), ONCE(many_bodies_on_soft_springs));
 }
