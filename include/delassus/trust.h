@@ -72,8 +72,9 @@ DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *probl
                                                         dls_error *error);
 
 /* Counts the self-stresses of an answer r (m): *freedom := the dimension of the reactions with the
- * positions of r. 0: r is determined. Greater: the sum of the reactions on each body is determined,
- * single reactions are not, and a solver returns one of many (dls_solver_settings.forces). The
+ * positions of r. 0: r is determined. Greater: the positions determine the sum of the reactions on each
+ * body, not single reactions, and a solver returns one of many (dls_solver_settings.forces). Other
+ * positions may be answers, too, with other sums (info.unique), as of a block that jams or falls. The
  * count is rows - rank of the matrix A above, in the states of r; contacts that touch to 1e-6 of
  * the largest position count as sticking, with or without a reaction. O(rows^3) operations, rows^2
  * doubles + O(m). Errors of dls_contact_sensitivity. */
@@ -92,7 +93,7 @@ typedef enum dls_proof_kind {
 typedef struct dls_proof {
   dls_proof_kind kind;
   double radius;    /* |r* - improved| / |improved|: relative bound on the error of forces */
-  double radius_u;  /* max |u* - u| / max |u|: the same for positions */
+  double radius_u;  /* max |u* - u| / max(|u|, |q|): the same for positions */
   double error;     /* |r* - r| / |r|: of the r that was given */
   double box;       /* the box: w |r - improved| <= box in each entry of r, w the mean of the
                        contact's diagonal of W, where it is not positive that of the others

@@ -115,12 +115,22 @@ int is_solved(dls_status status) {
   return status == DLS_OK || status == DLS_TO_ROUNDING;
 }
 
+/* Names the part of the certificate with the largest rounding, and how well it holds. */
+static void rounding_words(const dls_certificate *c, char *text, size_t size) {
+  const char *part = "positions";
+  double held = fmax(4 * c->floor_u, c->residual_u);
+  const double forces = fmax(4 * c->floor_r, c->residual_r);
+  const double balance = fmax(4 * c->floor_e, c->equilibrium);
+  if (forces > held) part = "forces", held = forces;
+  if (balance > held) part = "equilibrium", held = balance;
+  (void)snprintf(text, size, " to rounding: %s to %.0e", part, held);
+}
+
 void print_ending(dls_status status, const dls_info *info) {
   char how_well[120] = "", why[160] = "";
   const dls_certificate *c = info ? &info->certificate : NULL;
   if (c && status == DLS_TO_ROUNDING)
-    (void)snprintf(how_well, sizeof how_well, " to rounding: positions to %.0e, forces to %.0e",
-                   fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
+    rounding_words(c, how_well, sizeof how_well);
   else if (c && info->error > DBL_MAX)
     (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined%s",
                    info->forces == DLS_FORCES_LEAST ? ", the least are given" : "");
@@ -142,14 +152,15 @@ dls_status count_freedom(const dls_contact *contact, const double *r, int *freed
 const char *freedom_words(int freedom, dls_forces forces, char *text) {
   text[0] = '\0';
   if (freedom == FREEDOM_ON_K)
-    (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted on K (--on=W counts them)");
+    (void)snprintf(text, FREEDOM_ROOM,
+                   "self-stresses: not counted on K; single reactions may not be determined");
   if (freedom == FREEDOM_TOO_LARGE)
     (void)snprintf(text, FREEDOM_ROOM, "self-stresses: not counted for more than %d rows",
                    most_rows_of_freedom);
   if (freedom > 0)
     (void)snprintf(
         text, FREEDOM_ROOM,
-        "%d self-stress%s: the sum on each body is determined, single reactions are not; %s",
+        "%d self-stress%s: positions determine the sum on each body, not single reactions; %s",
         freedom, freedom == 1 ? "" : "es",
         forces == DLS_FORCES_LEAST ? "these are the least" : "--forces=least gives the least");
   return text;

@@ -245,7 +245,7 @@ void dlsi_prove_radii(dlsi_prove *work, double delta, dls_proof *proof) {
   for (size_t i = 0; i < m; i++) {
     work->h[i] = (work->h[i] + work->extra[i]) * work->up + work->turned[i];
     off = fmax(off, work->du[i] + work->Wh[i]);
-    most = fmax(most, fabs(work->u[i]));
+    most = fmax(most, fmax(fabs(work->u[i]), fabs(work->problem->q[i])));
     work->extra[i] = work->given[i] - work->r[i];
   }
   const double size = dlsi_norm2(work->r, m), radius = dlsi_norm2(work->h, m);

@@ -264,12 +264,24 @@ static int is_solved(dls_status status) {
   return status == DLS_OK || status == DLS_TO_ROUNDING;
 }
 
+/* Names the part with the largest rounding, as `delassus solve` does. */
+static void rounding_words(const dls_certificate *c, char *text, size_t size) {
+  const char *limited = "positions";
+  double held = fmax(4 * c->floor_u, c->residual_u);
+  const double forces = fmax(4 * c->floor_r, c->residual_r);
+  const double balance = fmax(4 * c->floor_e, c->equilibrium);
+  if (forces > held) limited = "forces", held = forces;
+  if (balance > held) limited = "equilibrium", held = balance;
+  (void)snprintf(text, size, " to rounding: %s to %.0e", limited, held);
+}
+
 /* Prints the last line, in the words of `delassus solve`. */
 static void print_ending(dls_status status, const dls_certificate *c) {
-  if (status == DLS_TO_ROUNDING)
-    printf("solved to rounding: positions to %.0e, forces to %.0e\n",
-           fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
-  else if (status == DLS_NOT_IN_EQUILIBRIUM)
+  char how_well[80];
+  if (status == DLS_TO_ROUNDING) {
+    rounding_words(c, how_well, sizeof how_well);
+    printf("solved%s\n", how_well);
+  } else if (status == DLS_NOT_IN_EQUILIBRIUM)
     printf("not solved: %s: a force of %.3g on body %d is not balanced\n", dls_status_text(status),
            c->unbalanced, c->body);
   else if (is_solved(status))

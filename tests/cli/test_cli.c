@@ -115,8 +115,8 @@ END_TEST
 /* What W does not determine is said beside the reactions, in words, in r.csv and as JSON; --forces
  * chooses the least: of two contacts that share everything a half each. */
 START_TEST(forces_that_are_not_determined) {
-  static const char all[] = "2 self-stresses: the sum on each body is determined, single reactions "
-                            "are not; ";
+  static const char all[] = "2 self-stresses: positions determine the sum on each body, not single "
+                            "reactions; ";
   char text[200];
   (void)snprintf(text, sizeof text, "\n  %s--forces=least gives the least\n", all);
   ck_assert_int_eq(run("solve " TEST_DATA "/failures/c05-hyperstatic.txt"), 0);
@@ -136,6 +136,29 @@ START_TEST(forces_that_are_not_determined) {
   ck_assert(strstr(output, "self-stress") == NULL);
   ck_assert_int_eq(run("solve " TEST_DATA "/failures/c20-scales.txt --forces=most"), 2);
   ck_assert(strstr(output, "--forces: 'most' is none of any, least") != NULL);
+}
+END_TEST
+
+/* A block between two walls jams, sum r_t = 10, or falls, r = 0: only positions determine the sum. */
+START_TEST(sums_of_a_jammed_block) {
+  write_text("jam.txt", "title jam\ncontact 2 4\nW\n"
+                        "2.5 1.5 -0.5 1.5 -2.5 -1.5 0.5 -1.5\n1.5 2.5 -1.5 2.5 -1.5 -0.5 1.5 -0.5\n"
+                        "-0.5 -1.5 2.5 -1.5 0.5 1.5 -2.5 1.5\n1.5 2.5 -1.5 2.5 -1.5 -0.5 1.5 -0.5\n"
+                        "-2.5 -1.5 0.5 -1.5 2.5 1.5 -0.5 1.5\n-1.5 -0.5 1.5 -0.5 1.5 2.5 -1.5 2.5\n"
+                        "0.5 1.5 -2.5 1.5 -0.5 -1.5 2.5 -1.5\n-1.5 -0.5 1.5 -0.5 1.5 2.5 -1.5 2.5\n"
+                        "q 0 -10 0 -10 0 -10 0 -10\nmu 0.5 0.5 0.5 0.5\n");
+  ck_assert_int_eq(run("solve @/jam.txt"), 0);
+  ck_assert(!prints("the sum on each body is determined"));
+  ck_assert(!prints("self-stress") || prints("positions determine the sum on each body"));
+}
+END_TEST
+
+/* The last line names the part of the certificate that rounding limits. */
+START_TEST(to_rounding_names_its_part) {
+  write_text("soft.txt", "title soft\ncontact 1 2\nW\n1e9 -1e9\n-1e9 1000000001\n"
+                         "q -1.1 -1.3\nmu 0 0\n");
+  ck_assert_int_eq(run("solve @/soft.txt"), 0);
+  ck_assert(prints("solved to rounding: positions to ") && !prints("forces to"));
 }
 END_TEST
 
@@ -882,8 +905,9 @@ int main(void) {
   return RUN(
       "cli", make_directory, remove_directory, ONCE(forces_that_are_not_determined),
       ONCE(help_and_version), ONCE(bad_usage_is_2), ONCE(accelerated_scene),
-      ONCE(auto_says_what_it_did), ONCE(names_the_unsettled), ONCE(no_solution_likely_is_1),
-      ONCE(proofs_are_printed), ONCE(scene_writes_its_files), ONCE(scene_on_the_displacements),
+      ONCE(auto_says_what_it_did), ONCE(names_the_unsettled), ONCE(sums_of_a_jammed_block),
+      ONCE(to_rounding_names_its_part), ONCE(no_solution_likely_is_1), ONCE(proofs_are_printed),
+      ONCE(scene_writes_its_files), ONCE(scene_on_the_displacements),
       ONCE(equivalents_of_concentrated_reactions), ONCE(the_tolerance_follows_from_the_mesh),
       ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
       ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),

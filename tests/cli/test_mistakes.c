@@ -33,6 +33,11 @@ static void write_matrices(void) {
   write_file("straight.txt", "2 0\n0 2\n");
   write_file("N3.txt", "0\n0\n1\n");
   write_file("T3.txt", "1 0\n0 1\n0 0\n");
+  write_file("box.txt", "1 0 0\n0 1 0\n0 0 0.16666666666666666\n");
+  write_file("zero.txt", "0 0 0\n0 0 0\n0 0 0\n");
+  write_file("boxN.txt", "0 0\n1 1\n-0.5 0.5\n");
+  write_file("boxT.txt", "1 1\n0 0\n0.5 0.5\n");
+  write_file("boxf.txt", "1\n-10\n0\n");
   write_file("W.txt", "2 0\n0 2\n");
   write_file("q.txt", "-1\n0\n");
   write_file("W6.txt",
@@ -118,9 +123,12 @@ END_TEST
 START_TEST(no_hint_without_a_reason) {
   write_matrices();
   static const char *const right[] = {
-      POINT "--mu .2",   POINT "--mu .2 --g 0.1",
-      POINT "--mu inf",  "solve --stiffness=@/K3.txt --HN=@/N3.txt --HT=@/T3.txt --mu .2",
-      "scene jean-fig3", "scene jean-fig4 --weighted"};
+      POINT "--mu .2", POINT "--mu .2 --g 0.1", POINT "--mu inf",
+      "solve --stiffness=@/K3.txt --HN=@/N3.txt --HT=@/T3.txt --mu .2", "scene jean-fig3",
+      "scene jean-fig4 --weighted",
+      /* rigid bodies: rotations are no lengths */
+      "solve --stiffness=@/box.txt --HN=@/boxN.txt --HT=@/boxT.txt --f=@/boxf.txt --mu .5",
+      "solve --stiffness=@/zero.txt --HN=@/boxN.txt --HT=@/boxT.txt --f=@/boxf.txt --mu .5"};
   for (size_t k = 0; k < sizeof right / sizeof right[0]; k++) {
     ck_assert_int_eq(run(right[k]), 0);
     ck_assert_msg(!strstr(output, "hint:"), "%s: %s", right[k], output);

@@ -447,6 +447,28 @@ START_TEST(storages_and_units) {
 }
 END_TEST
 
+/* A rigid box at rest on two corners: u = 0, and the bound on u is relative to q. */
+START_TEST(positions_of_a_body_at_rest) {
+  static const double h[4][3] = {{0, 1, -0.5}, {1, 0, 0.5}, {0, 1, 0.5}, {1, 0, 0.5}};
+  static const double f[3] = {0, -10, 0}, compliance[3] = {1, 1, 6}, mu[2] = {0.5, 0.5};
+  double W[16] = {0}, q[4] = {0}, r[4];
+  for (int i = 0; i < 4; i++)
+    for (int k = 0; k < 3; k++) {
+      q[i] += h[i][k] * compliance[k] * f[k];
+      for (int j = 0; j < 4; j++)
+        W[i + 4 * j] += h[i][k] * compliance[k] * h[j][k];
+    }
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, NULL, NULL), DLS_OK);
+  dls_proof proof;
+  ck_assert_int_eq(dls_contact_prove(&p, r, &proof, r, NULL), DLS_OK);
+  ck_assert_int_eq(proof.kind, DLS_PROVED_POSITIONS);
+  ck_assert_int_eq(proof.freedom, 1);
+  ck_assert_double_le(proof.radius_u, 1e-12);
+  ck_assert_double_le(fabs(r[0] + r[2] - 10), 1e-7);
+}
+END_TEST
+
 /* The catalogue: a proof is of a solution that the file lists, and there is none of a problem
  * without one, from any r. */
 START_TEST(proofs_of_the_catalogue) {
@@ -576,8 +598,8 @@ int main(int argc, char **argv) {
     return RUN("prove", NULL, NULL, ONCE(counted));
   }
   return RUN("prove", NULL, NULL, ONCE(proofs_of_integers), ONCE(proofs_of_planted),
-             EACH(border_of_one, 0, 3), ONCE(border_of_free), ONCE(four_legs), ONCE(turned_slip),
-             EACH(storages_and_units, 0, 12), EACH(storages_and_units, 100, 106),
-             ONCE(proofs_of_the_catalogue), ONCE(nearly_singular),
-             ONCE(beyond_the_range_of_numbers), ONCE(nothing_wrong));
+             EACH(border_of_one, 0, 3), ONCE(border_of_free), ONCE(four_legs),
+             ONCE(positions_of_a_body_at_rest), ONCE(turned_slip), EACH(storages_and_units, 0, 12),
+             EACH(storages_and_units, 100, 106), ONCE(proofs_of_the_catalogue),
+             ONCE(nearly_singular), ONCE(beyond_the_range_of_numbers), ONCE(nothing_wrong));
 }

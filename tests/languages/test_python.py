@@ -518,6 +518,17 @@ class Motion(unittest.TestCase):
         np.testing.assert_allclose(s.r, [[10.9375, -2.1875]], rtol=1e-10)
         np.testing.assert_allclose(path.slip, [[0.9375]], rtol=1e-10)
 
+    def test_path_on_K(self):  # nothing but friction holds the body along its tangent
+        N, T = np.array([[0.0], [1.0]]), np.array([[1.0], [0.0]])
+        path = delassus.Motion(np.zeros((2, 2)), N, T, law="path", gap=[0.25])
+        s = path.step([1, -10], mu=0.2)
+        self.assertTrue(s.solved)
+        np.testing.assert_allclose(s.r, [[10, -1]], rtol=1e-9)
+        np.testing.assert_allclose(s.u, [[0, 0]], atol=1e-9)
+        np.testing.assert_allclose(path.x, [0, -0.25], atol=1e-9)
+        self.assertEqual(list(s.states), ["stick"])
+        self.assertIn("K", s.explain())
+
     def test_bad_input(self):
         with self.assertRaisesRegex(TypeError, "no_such_setting"):
             self.ball(no_such_setting=1)

@@ -79,7 +79,8 @@ class Proof(NamedTuple):
 
     proved            "reactions": one solution within radius |improved|; "positions": u is proved
                       and `freedom` reactions are free; None: not proved
-    radius, radius_u  relative bounds on the errors of `improved` and of its positions
+    radius, radius_u  bounds on the errors of `improved`, relative to it, and of its positions u,
+                      relative to the largest |u| or |q|
     error             of r itself
     border            (contact, its state, the other state) if one is on the border of two, or None
     improved          r after Newton steps to rounding, nc x d
@@ -111,9 +112,9 @@ class Solution:
     regime       of auto, the kind of the problem: "elastic", "packing", ...
     explain()    what auto did and why, in words
     forces       "least" where r is the least of the reactions of its positions, else "any"
-    freedom      self-stresses, counted when it is first asked for: above 0, r is one of many, the
-                 sum on each body is determined, single reactions are not; None where a reduction or
-                 a motion solved
+    freedom      self-stresses, counted when it is first asked for: above 0, r is one of many:
+                 the positions u determine the sum on each body, not single reactions; None where a
+                 reduction or a motion solved
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     proof        a Proof of r, computed at its first use from the arrays as they are then; None
                  if a reduction or a motion solved

@@ -24,7 +24,7 @@ class Motion(Owner):
     Motion(K, HN, HT, law="path")            equilibria, one after the other
 
     step(f, y, mu) takes a step and returns the Solution of its contact problem, or None if no
-    contact was closed. The state after the last certified step: t, steps, x, v (n), p, u
+    contact took part. On a path that is solved on K its u is (gap, slip of the step). The state after the last certified step: t, steps, x, v (n), p, u
     (candidates x d), gap, slip, states.
     """
 
@@ -90,9 +90,17 @@ class Motion(Owner):
         call("dls_motion_get_problem", self._held, byref(problem))
         if status:
             raise NotCertified(status)
-        if not problem.nc:
+        state = self._state()
+        if not state.active:
             return None
-        active = read(c_int, self._state().active_list, problem.nc, self)
+        active = read(c_int, state.active_list, state.active, self)
+        if not problem.nc:  # solved on K
+            u = self.u[active]
+            u[:, 0] = self.gap[active]
+            solution = Solution(problem, info, status, np.empty(0), np.empty(0), None)
+            solution.r, solution.u, solution.states = self.p[active], u, self.states[active]
+            solution.x = self.x
+            return solution
         r, u = self.p[active].reshape(-1), np.zeros(self.d * problem.nc)
         call("dls_contact_certify", byref(problem), address(r), address(u),
              byref(structs["dls_certificate"]()))
