@@ -72,12 +72,12 @@ DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *probl
                                                         dls_error *error);
 
 /* Counts the self-stresses of an answer r (m): *freedom := the dimension of the reactions with the
- * positions of r. 0: r is determined. Greater: the positions determine the sum of the reactions on each
- * body, not single reactions, and a solver returns one of many (dls_solver_settings.forces). Other
- * positions may be answers, too, with other sums (info.unique), as of a block that jams or falls. The
- * count is rows - rank of the matrix A above, in the states of r; contacts that touch to 1e-6 of
- * the largest position count as sticking, with or without a reaction. O(rows^3) operations, rows^2
- * doubles + O(m). Errors of dls_contact_sensitivity. */
+ * positions of r. 0: r is determined. Greater: the positions determine the sum of the reactions on
+ * each body, not single reactions, and a solver returns one of many (dls_solver_settings.forces).
+ * Other positions may be answers, too, with other sums (info.unique), as of a block that jams or
+ * falls. The count is rows - rank of the matrix A above, in the states of r; contacts that touch to
+ * 1e-6 of the largest position count as sticking, with or without a reaction. O(rows^3) operations,
+ * rows^2 doubles + O(m). Errors of dls_contact_sensitivity. */
 DLS_API DLS_MUST_USE dls_status dls_contact_freedom(const dls_contact *problem, const double *r,
                                                     int *freedom, dls_error *error);
 

@@ -5,9 +5,9 @@
 
 #include "cli.h"
 
-/* Normals that have not length 1; tangents that are not perpendicular to them. Nothing where unknowns
- * may be rotations or forces of joints: K has a zero on its diagonal; or it couples no unknown with
- * more than the 3 (d - 1) of a rigid body, and their number is a multiple of that. */
+/* Normals that have not length 1; tangents that are not perpendicular to them. Nothing where
+ * unknowns may be rotations or forces of joints: K has a zero on its diagonal; or it couples no
+ * unknown with more than the 3 (d - 1) of a rigid body, and n is a multiple of that. */
 void hint_operators(const dls_model *model);
 
 /* All gaps negative. g: d nodes. */

@@ -139,7 +139,7 @@ START_TEST(forces_that_are_not_determined) {
 }
 END_TEST
 
-/* A block between two walls jams, sum r_t = 10, or falls, r = 0: only positions determine the sum. */
+/* A block between two walls jams, sum r_t = 10, or falls, r = 0: positions determine the sum. */
 START_TEST(sums_of_a_jammed_block) {
   write_text("jam.txt", "title jam\ncontact 2 4\nW\n"
                         "2.5 1.5 -0.5 1.5 -2.5 -1.5 0.5 -1.5\n1.5 2.5 -1.5 2.5 -1.5 -0.5 1.5 -0.5\n"
