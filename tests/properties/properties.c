@@ -5,7 +5,8 @@
  *
  * Problem i has the seed N + i K, and the class that the seed selects, by shares that are even in
  * time; "--class each" takes the classes in turn (those with problems of a second every fourth
- * time), "--class stacks" the bodies of bodies.c on K itself. Exit 0: every rule kept; 1: some rule
+ * time), "--class stacks" the bodies of bodies.c on K itself, "--class rest", or one of its kinds,
+ * those of rest.c. Exit 0: every rule kept; 1: some rule
  * broken; 2: the command line, or a file that cannot be written.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
@@ -19,6 +20,7 @@
 
 #include "bodies.h"
 #include "check.h"
+#include "rest.h"
 
 enum { WAYS = DLS_HOMOTOPY + 2 };
 enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 400 };
@@ -32,7 +34,7 @@ static const struct {
 } unsolved_of[] = {{"friction", 2e-3}, {"slight", 2e-3},     {"mixed", 0.05},  {"skew", 5e-3},
                    {"aspect", 5e-3},   {"zero-blocks", 0.1}, {"product", 0.2}, {"bonded", 0.05}};
 
-enum { DRAWN = -1, EACH = -2, STACKS = -3 };
+enum { DRAWN = -1, EACH = -2, STACKS = -3, REST = -10 /* minus the kind */ };
 
 static double wall_clock(void) {
   struct timespec t;
@@ -54,7 +56,7 @@ typedef struct tally {
 typedef struct command {
   uint64_t seed, step;
   long count;
-  int class; /* DRAWN, EACH, STACKS, or one */
+  int class; /* DRAWN, EACH, STACKS, REST - kind, or one */
   double seconds;
   options ask;
   const char *out;
@@ -65,7 +67,7 @@ static int print_usage(void) {
                   "[--tol T] [--out DIR]\nclasses:");
   for (int k = 0; k < CLASSES; k++)
     fprintf(stderr, " %s", class_name[k]);
-  fprintf(stderr, " each stacks\n");
+  fprintf(stderr, " each stacks rest\n");
   return 0;
 }
 
@@ -93,6 +95,7 @@ static int read_command(int count, char **words, command *to) {
         if (!strcmp(class_name[to->class], text)) break;
       if (!strcmp(text, "each")) to->class = EACH;
       if (!strcmp(text, "stacks")) to->class = STACKS;
+      if (rest_kind_of(text) >= 0) to->class = REST - rest_kind_of(text);
       if (to->class == DRAWN) return print_usage();
     } else
       return print_usage();
@@ -264,6 +267,7 @@ int main(int count, char **words) {
   setvbuf(stdout, NULL, _IOLBF, 0);
   if (of.class == STACKS)
     return !stack_run(of.seed, of.step, of.count, of.ask.tol, stack_solve_global, NULL);
+  if (of.class <= REST) return !rest_run(of.seed, of.step, of.count, REST - of.class);
   if (mkdir(of.out, 0777) && errno != EEXIST) {
     fprintf(stderr, "properties: %s: %s\n", of.out, strerror(errno));
     return 2;

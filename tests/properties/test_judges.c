@@ -11,6 +11,7 @@
 #include "check.h"
 #include "generate.h"
 #include "problem.h"
+#include "rest.h"
 #include "run.h"
 
 /* ---- contact problems ------------------------------------------------------------------------ */
@@ -292,11 +293,56 @@ START_TEST(a_hard_solve_tells_its_error) {
 }
 END_TEST
 
+/* ---- bodies at rest -------------------------------------------------------------------------- */
+
+/* Planted answers pass, and fail with 1e-3 of a force, of a place of a contact that carries, or of
+ * the motion of a free body against another; what falls is never solved. */
+START_TEST(bodies_at_rest) {
+  static rest p;
+  int moved = 0, forced = 0;
+  for (int of = 0; of < REST_KINDS; of++)
+    for (uint64_t seed = 1; seed <= 200; seed++) {
+      rest_generate((rest_kind)of, seed, &p);
+      if (of == REST_FALLS) {
+        ck_assert_int_eq(rest_judge(&p, DLS_OK, p.x, p.r), REST_CLAIMED);
+        ck_assert_int_eq(rest_judge(&p, DLS_STALLED, p.x, p.r), REST_RIGHT);
+        for (int c = 0; c < p.nc; c++) { /* Farkas' motion */
+          double v[2] = {0, 0};
+          for (int i = 0; i < p.n; i++)
+            for (int k = 0; k < 2; k++)
+              v[k] += p.H[i][2 * c + k] * p.x[i];
+          ck_assert(v[0] >= p.mu[c] * fabs(v[1]));
+        }
+        continue;
+      }
+      ck_assert_int_eq(rest_judge(&p, DLS_OK, p.x, p.r), REST_RIGHT);
+      ck_assert_int_eq(rest_judge(&p, DLS_NO_SOLUTION, p.x, p.r), REST_DENIED);
+      ck_assert_int_eq(rest_judge(&p, DLS_STALLED, p.x, p.r), REST_REFUSED);
+      double r[2 * REST_CONTACTS], x[REST_UNKNOWNS];
+      memcpy(r, p.r, sizeof r);
+      memcpy(x, p.x, sizeof x);
+      int c = 0;
+      while (c < p.nc && !(r[2 * c] > 0))
+        c++;
+      if (c == p.nc) continue;
+      r[2 * c] *= 1.01;
+      forced += rest_judge(&p, DLS_OK, x, r) > REST_REFUSED;
+      r[2 * c] = p.r[2 * c];
+      for (int i = 0; i < p.n; i++)
+        x[i] += p.H[i][2 * c] / 64;
+      ck_assert_int_gt(rest_judge(&p, DLS_OK, x, r), REST_REFUSED);
+      moved++;
+    }
+  ck_assert_int_gt(moved, 1000);
+  ck_assert_int_ge(forced, moved * 9 / 10);
+}
+END_TEST
+
 int main(void) {
   return RUN("judges", NULL, NULL, ONCE(an_open_candidate_hides_no_wrong_answer),
              ONCE(weights_of_normal_and_tangent), ONCE(infinite_friction),
              ONCE(an_answer_that_is_not_determined_is_no_error), ONCE(another_answer_is_true_too),
              ONCE(another_answer_with_soft_tangents), ONCE(sums_are_rounded_once),
              ONCE(stacks_and_their_statics), ONCE(what_cannot_stand_is_not_solved),
-             ONCE(a_hard_solve_tells_its_error));
+             ONCE(a_hard_solve_tells_its_error), ONCE(bodies_at_rest));
 }
