@@ -61,8 +61,16 @@ static void states_scale(const dls_contact *problem, states *s) {
   double w[dlsi_most_states], most = 0, largest = 0;
   const int nc = s->nc = problem->nc, m = 2 * nc;
   dlsi_contact_weights(problem, w);
-  for (int c = 0; c < nc; c++)
+  for (int c = 0; c < nc; c++) { /* a negative diagonal has a size, too, but no weight of its own */
+    double own = 0;
+    for (int j = 0; j < 2; j++) {
+      double e[2] = {j == 0, j == 1}, column[most_rows] = {0};
+      dlsi_contact_add_columns(problem, c, e, column);
+      own = fmax(own, fmax(fabs(column[2 * c]), fabs(column[2 * c + 1])));
+    }
+    if (own > 0) w[c] = own;
     most = fmax(most, w[c]);
+  }
   for (int c = 0; c < nc; c++) { /* scales over the largest: powers of two change no bit */
     s->unit[c] = sqrt(most / w[c]);
     s->mu[c] = problem->mu[c];

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "delassus/solve.h"
 #include "delassus/trust.h"
 #include "facts/facts.h"
 #include "run.h"
@@ -322,6 +323,31 @@ START_TEST(rounding_is_not_none) {
 }
 END_TEST
 
+/* Both contacts have negative diagonals, contact 1 in other units: two solutions in exact
+ * arithmetic. A negative diagonal scales a contact, too; in the units of the other contact, 2^30
+ * apart, no state was found, and auto said "no solution likely". */
+START_TEST(negative_diagonals_in_other_units) {
+  static const double W[16] = {-3, 2, 2, 2, 2, -2, -3, 3, 2, -3, -2, 1, 2, 3, 1, 2};
+  static const double q[4] = {-4, 3, -3, 1};
+  static const int units[] = {0, 10, -17, -30, 60, -80};
+  for (size_t k = 0; k < sizeof units / sizeof units[0]; k++) {
+    double one[4];
+    set_small(2);
+    t.mu[0] = 100;
+    t.mu[1] = 1;
+    for (int i = 0; i < 4; i++) {
+      const int of_row = i > 1 ? units[k] : 0;
+      t.q[i] = ldexp(q[i], of_row);
+      for (int j = 0; j < 4; j++)
+        t.W[i + 4 * j] = ldexp(W[i + 4 * j], of_row + (j > 1 ? units[k] : 0));
+    }
+    const dls_status status = dls_contact_enumerate(&t.p, 1e-8, room, r, NULL, NULL, &set, NULL);
+    ck_assert(status == DLS_OK ? set.isolated == 2 : status == DLS_STALLED && set.isolated == 1);
+    ck_assert_int_eq(dls_solve(&t.p, NULL, one, NULL, NULL, NULL), DLS_OK);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("states", NULL, NULL, ONCE(one_beside_a_ray), ONCE(two_supports_share_a_load),
              ONCE(a_ray_from_free), ONCE(three_beside_three_rays),
@@ -329,5 +355,6 @@ int main(void) {
              ONCE(eight_candidates), ONCE(solutions_of_three_apart),
              ONCE(a_candidate_without_friction), ONCE(either_side), ONCE(border_between_two_states),
              ONCE(no_solution_is_proved), ONCE(no_solution_of_two_together),
-             ONCE(auto_finds_the_first_state), ONCE(rounding_is_not_none));
+             ONCE(auto_finds_the_first_state), ONCE(rounding_is_not_none),
+             ONCE(negative_diagonals_in_other_units));
 }
