@@ -415,7 +415,8 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
   else if ((q_rows != rows || q_cols != 1) && (q_rows != 1 || q_cols != rows))
     (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, rows);
   else
-    result = solve_one_lcp(path_M, &(dls_lcp){rows, {rows, rows, rows, M}, q}, options);
+    result =
+        solve_one_lcp(path_M, &(dls_lcp){.n = rows, .M = {rows, rows, rows, M}, .q = q}, options);
   dls_mtx_free(M);
   dls_mtx_free(q);
   return result;
@@ -433,7 +434,7 @@ static int solve_file(const char *path, const solve_options *options) {
                : solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
   if (suits_lcp(options) && dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
-    result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
+    result = solve_one_lcp(path, &(dls_lcp){.n = n, .M = {n, n, n, M}, .q = q}, options);
   dls_text_destroy(text);
   return result;
 }
