@@ -3,7 +3,7 @@
  *
  *   dls_principal_solve  block principal pivoting, for P-matrices (every principal minor > 0): one
  *                        factorisation per guess of the active set instead of one pivot per
- *                        unknown; a sparse M is factorised sparsely, with a smoothing path as safeguard
+ *                        unknown; sparse factors for a sparse M, with a smoothing path as safeguard
  *   dls_lcp_enumerate    all solutions of a small LCP, n <= 20, whatever M
  */
 #ifndef DELASSUS_PIVOTING_H
