@@ -92,8 +92,8 @@ _USED = {
     "dls_contact": "d nc W Wb q mu bodies weights",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
-    "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W progress "
-                              "progress_data",
+    "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W "
+                              "frictionless progress progress_data",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
                           "modes joints redundant",
     "dls_derive_data": "mu q W f g K",
@@ -455,6 +455,16 @@ def vector(name: str, x: Any, size: int, width: int = 1) -> Vector:
     if a.ndim > 1 and a.shape[-1] != width and max(a.shape) != size:
         raise ValueError(f"{name} is {a.shape}, needs rows of {width}")
     return np.ascontiguousarray(a).reshape(-1)
+
+
+def gaps(name: str, g: Any, nodes: int, d: int, width: int) -> Vector:
+    """Returns d values for each of the nodes in rows of `width`, the others 0."""
+    a = vector(name, g, nodes * d, d)
+    if d < width:
+        rows = np.zeros((nodes, width))
+        rows[:, :d] = a.reshape(nodes, d)
+        a = rows.reshape(-1)
+    return a
 
 
 def set_fields(struct: Any, values: Mapping[str, Any]) -> None:

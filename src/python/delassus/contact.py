@@ -121,7 +121,8 @@ class Solution:
     """
 
     def __init__(self, problem: Any, info: Any, status: int, r: Vector, u: Vector,
-                 history: npt.NDArray[Any] | None, body: Any = None) -> None:
+                 history: npt.NDArray[Any] | None, body: Any = None,
+                 states: npt.NDArray[np.str_] | None = None) -> None:
         d, nc = problem.d, problem.nc
         self.status = status
         self.words: str = lib.dls_status_text(status).decode()
@@ -149,6 +150,9 @@ class Solution:
         self._derivatives: Dict[int, Derivative] = {}
         self._of_body: Callable[[Solution, int, Derivative | None], Derivative] | None = None
         state = (c_int * max(nc, 1))()
+        if states is not None:
+            self.states = states
+            return
         if nc and body is not None:
             call("dls_reduction_states", *body[:2], address(r), address(u), state)
         elif nc:
