@@ -350,16 +350,11 @@ def _text(name: str, value: Any) -> Any:
     return ctypes.create_string_buffer(value.encode())
 
 
-def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = None,
-                  max_iterations: int | None = None, cpu_seconds: float | None = None,
-                  r0: Array | None = None, acceleration: str | None = None,
-                  facets: int | None = None, positive_definite: int | None = None,
-                  history: bool = False, progress: Callable[[Progress], object] | None = None,
-                  threads: int | None = None, plan: str | None = None,
-                  without: str | None = None, timed: bool = False, forces: str = "any",
-                  body: Any = None) -> Solution:
-    """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
-    dls_reduction_solve is called instead and fills x."""
+def solver_settings(method: str = "auto", acceleration: str | None = None,
+                    facets: int | None = None, positive_definite: int | None = None,
+                    plan: str | None = None, without: str | None = None,
+                    forces: str = "any") -> tuple[Any, list[Any]]:
+    """Returns a dls_solver_settings with default limits, and the strings that it views."""
     settings = structs["dls_solver_settings"]()
     lib.dls_solver_settings_init(byref(settings))
     settings.method = find_method(method)
@@ -375,6 +370,21 @@ def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = Non
     words = [_text(*one) if one[1] is not None else None
              for one in (("plan", plan), ("without", without))]
     settings.plan, settings.without = [word and ctypes.addressof(word) for word in words]
+    return settings, words
+
+
+def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = None,
+                  max_iterations: int | None = None, cpu_seconds: float | None = None,
+                  r0: Array | None = None, acceleration: str | None = None,
+                  facets: int | None = None, positive_definite: int | None = None,
+                  history: bool = False, progress: Callable[[Progress], object] | None = None,
+                  threads: int | None = None, plan: str | None = None,
+                  without: str | None = None, timed: bool = False, forces: str = "any",
+                  body: Any = None) -> Solution:
+    """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
+    dls_reduction_solve is called instead and fills x."""
+    settings, words = solver_settings(method, acceleration, facets, positive_definite, plan,
+                                      without, forces)
     if timed and cpu_seconds is None:
         cpu_seconds = _NO_LIMIT  # a limit asks for the clock
     watch = Watch(history, progress)

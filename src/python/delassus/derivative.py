@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, Tuple, Union
 import numpy as np
 import scipy.sparse as sp
 
-from ._library import (Array, Matrix, Owner, Vector, address, call, columns, gaps, lib, reals, structs,
-                       vector)
+from ._library import (Array, Matrix, Owner, Vector, address, call, columns, gaps, lib, reals,
+                       structs, vector)
 
 # a change of W: a matrix, or of H of rigid bodies
 Change = Union[Matrix, Array]
