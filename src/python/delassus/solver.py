@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._library import Array, Owner, address, call, integers, lib, structs, vector, whole
+from ._library import Array, Owner, address, call, integers, lib, structs, whole
 from .contact import Operator, Solution, Watch, _problem, set_limits, solver_settings
 
 
