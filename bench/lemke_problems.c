@@ -60,7 +60,7 @@ void problem_free(problem *p) {
 }
 
 dls_lcp problem_view(const problem *p) {
-  return (dls_lcp){p->n, {p->n, p->n, p->n, p->M}, p->q};
+  return (dls_lcp){.n = p->n, .M = {p->n, p->n, p->n, p->M}, .q = p->q};
 }
 
 int problem_random(problem *p, int n) {

@@ -12,7 +12,7 @@
 int main(void) {
   /* y = M z + q, y >= 0, z >= 0, y^T z = 0; column-major */
   const double M[4] = {2, 1, 1, 2}, q[2] = {-4, -5};
-  const dls_lcp lcp = {2, {2, 2, 2, M}, q};
+  const dls_lcp lcp = {.n = 2, .M = {2, 2, 2, M}, .q = q};
   dls_lemke *lemke;
   dls_lemke_info info;
   dls_error error;
@@ -28,7 +28,7 @@ int main(void) {
 
   /* y_2 = -z_1 - 2 can never be >= 0. The proof is a v >= 0 with M^T v <= 0 and q^T v < 0. */
   const double N[4] = {0, -1, 1, 0}, p[2] = {-1, -2};
-  const dls_lcp impossible = {2, {2, 2, 2, N}, p};
+  const dls_lcp impossible = {.n = 2, .M = {2, 2, 2, N}, .q = p};
   double v[2], violation;
   status = dls_lemke_solve(lemke, &impossible, z, NULL, &info, &error);
   if (status == DLS_NO_SOLUTION && dls_lemke_farkas(lemke, v, &error) == DLS_OK &&

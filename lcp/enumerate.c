@@ -331,7 +331,7 @@ static void enumerate_prepare(problem *p) {
 
 static dls_status enumerate_check(const dls_lcp *lcp, double tol, int capacity, const double *z,
                                   const dls_enumeration *found, dls_error *error) {
-  const dls_status status = dlsi_check_lcp(lcp, error);
+  const dls_status status = dlsi_check_dense_lcp(lcp, error);
   if (status) return status;
   if (lcp->n > most)
     return dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is %d, must be at most %d", lcp->n, most);

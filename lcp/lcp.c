@@ -18,15 +18,23 @@ dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error) {
   if (!lcp) return dlsi_is_null(error, "lcp");
   const int n = lcp->n;
   if (n < 1 || n > INT_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
-  const dls_status status = dlsi_check_dense("M", &lcp->M, n, n, error);
+  if (lcp->Ms.p && lcp->M.a)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "Ms", -1, 0, "is given beside M");
+  const dls_status status = lcp->Ms.p ? dlsi_check_sparse("Ms", &lcp->Ms, n, n, error)
+                                      : dlsi_check_dense("M", &lcp->M, n, n, error);
   if (status) return status;
   return dlsi_check_vector("q", lcp->q, (size_t)n, error);
 }
 
+dls_status dlsi_check_dense_lcp(const dls_lcp *lcp, dls_error *error) {
+  if (lcp && lcp->Ms.p)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "Ms", -1, 0,
+                     "is for dls_principal_solve; a dense M is wanted");
+  return dlsi_check_lcp(lcp, error);
+}
+
 dls_status dlsi_check_lcp_solve(int most, const dls_lcp *lcp, const double *z, int warm_start,
                                 dls_error *error) {
-  const dls_status status = dlsi_check_lcp(lcp, error);
-  if (status) return status;
   if (lcp->n > most)
     return dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is more than the workspace's %d", most);
   if (!z) return dlsi_is_null(error, "z");
@@ -48,11 +56,25 @@ dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error) {
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
+/* Adds Ms z to y and |Ms||z| to a. */
+static void lcp_add_sparse(const dls_sparse *Ms, const double *z, double *y, double *a) {
+  for (int j = 0; j < Ms->cols; j++)
+    for (int k = Ms->p[j]; z[j] != 0 && k < Ms->p[j + 1]; k++) {
+      const double p = Ms->x[k] * z[j];
+      y[Ms->i[k]] += p;
+      a[Ms->i[k]] += fabs(p);
+    }
+}
+
 void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, double *y, double *a) {
   const size_t n = (size_t)lcp->n, ld = (size_t)lcp->M.ld;
   for (size_t i = 0; i < n; i++) {
     y[i] = q ? q[i] : 0;
     a[i] = 0;
+  }
+  if (lcp->Ms.p) {
+    lcp_add_sparse(&lcp->Ms, z, y, a);
+    return;
   }
   for (size_t j = 0; j < n; j++) {
     const double *m = lcp->M.a + j * ld, zj = z[j];
@@ -65,16 +87,29 @@ void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, dou
   }
 }
 
+double dlsi_lcp_diagonal(const dls_lcp *lcp, size_t j) {
+  if (!lcp->Ms.p) return lcp->M.a[j + j * (size_t)lcp->M.ld];
+  double sum = 0;
+  for (int k = lcp->Ms.p[j]; k < lcp->Ms.p[j + 1]; k++)
+    if ((size_t)lcp->Ms.i[k] == j) sum += lcp->Ms.x[k];
+  return sum;
+}
+
 void dlsi_lcp_weights(const dls_lcp *lcp, double *s) {
   const size_t n = (size_t)lcp->n, ld = (size_t)lcp->M.ld;
   size_t zeros = 0;
   for (size_t i = 0; i < n; i++) {
-    s[i] = fabs(lcp->M.a[i + i * ld]);
+    s[i] = fabs(dlsi_lcp_diagonal(lcp, i));
     zeros += s[i] == 0;
   }
   if (zeros == 0) return;
-  for (size_t j = 0; j < n;
-       j++) /* s_i <= 0: minus the largest entry so far of a row with M_ii = 0 */
+  /* s_i <= 0: minus the largest entry so far of a row with M_ii = 0 */
+  for (int j = 0; lcp->Ms.p && j < lcp->n; j++)
+    for (int k = lcp->Ms.p[j]; k < lcp->Ms.p[j + 1]; k++) {
+      double *si = &s[lcp->Ms.i[k]];
+      if (*si <= 0 && fabs(lcp->Ms.x[k]) > -*si) *si = -fabs(lcp->Ms.x[k]);
+    }
+  for (size_t j = 0; !lcp->Ms.p && j < n; j++)
     for (size_t i = 0; i < n; i++)
       if (s[i] <= 0 && fabs(lcp->M.a[i + j * ld]) > -s[i]) s[i] = -fabs(lcp->M.a[i + j * ld]);
   for (size_t i = 0; i < n; i++)
@@ -194,7 +229,7 @@ double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const dou
 
 static dls_status ray_check(const dls_lcp *lcp, const double *cover, const double *z, double z0,
                             const double *dz, double dz0, double *violation, dls_error *error) {
-  dls_status status = dlsi_check_lcp(lcp, error);
+  dls_status status = dlsi_check_dense_lcp(lcp, error);
   if (status) return status;
   const size_t n = (size_t)lcp->n;
   status = dlsi_check_positive("cover", cover, lcp->n, error);
@@ -267,7 +302,7 @@ int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work) {
 dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *violation,
                                 dls_error *error) {
   DLSI_DOOR;
-  dls_status status = dlsi_check_lcp(lcp, error);
+  dls_status status = dlsi_check_dense_lcp(lcp, error);
   if (!status) status = dlsi_check_vector("v", v, (size_t)lcp->n, error);
   if (!status && !violation) status = dlsi_is_null(error, "violation");
   if (!status) *violation = dlsi_lcp_farkas_violation(lcp, v);

@@ -8,14 +8,18 @@
 #include "base/base.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "delassus/pivoting.h"
 #include "linear/dense.h"
 
 /* ---- lcp.c ----------------------------------------------------------------------------------- */
 
 dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error);
 
-/* Checks the arguments of a solver with room for `most` unknowns: the LCP, its size, and z, which
- * must be finite with a warm start. */
+/* As dlsi_check_lcp, for a function that needs a dense M: DLS_E_UNSUPPORTED for Ms. */
+dls_status dlsi_check_dense_lcp(const dls_lcp *lcp, dls_error *error);
+
+/* Checks the arguments of a solver with room for `most` unknowns: its size, and z, which must be
+ * finite with a warm start. The LCP has been checked. */
 dls_status dlsi_check_lcp_solve(int most, const dls_lcp *lcp, const double *z, int warm_start,
                                 dls_error *error);
 
@@ -28,6 +32,9 @@ static inline const double *dlsi_lcp_column(const dls_lcp *lcp, int j) {
 
 /* y := M z + q, a := |M||z|; q = NULL for none. */
 void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, double *y, double *a);
+
+/* Returns M_jj. */
+double dlsi_lcp_diagonal(const dls_lcp *lcp, size_t j);
 
 /* s_i := |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row. */
 void dlsi_lcp_weights(const dls_lcp *lcp, double *s);
@@ -44,6 +51,24 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 /* Returns 1 if v (n), or a vector near v, is a Farkas vector in exact arithmetic, and stores that
  * vector in v. work: n. */
 int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work);
+
+/* ---- active.c -------------------------------------------------------------------------------- */
+
+/* The workspace of block pivots with a sparse M. */
+typedef struct dlsi_active dlsi_active;
+
+/* Makes room for n unknowns and so many entries. *out = NULL on error: DLS_E_SIZE, DLS_E_MEMORY. */
+dls_status dlsi_active_create(dlsi_active **out, int n, int entries, dls_error *error);
+
+/* Solves a checked problem with Ms of that room. z (n): in, the start of a warm start; out, z >= 0
+ * of the least residual, untouched after an error. Counts in *info, and sets its status. Errors of
+ * dlsi_general_factor but DLS_E_SINGULAR. */
+dls_status dlsi_active_run(dlsi_active *work, const dls_lcp *lcp,
+                           const dls_principal_settings *settings, double begun, double *z,
+                           dls_principal_info *info, dls_error *error);
+
+/* Frees the workspace; NULL is fine. */
+void dlsi_active_destroy(dlsi_active *work);
 
 /* ---- scale.c --------------------------------------------------------------------------------- */
 

@@ -750,8 +750,9 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
 static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double *z,
                               dls_error *error) {
   if (!work) return dlsi_is_null(error, "workspace");
-  const dls_status status =
-      dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  dls_status status = dlsi_check_dense_lcp(lcp, error);
+  if (!status)
+    status = dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 

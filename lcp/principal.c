@@ -1,5 +1,6 @@
 /*
- * principal.c: solves LCP(M, q), M a P-matrix, by block principal pivoting.
+ * principal.c: solves LCP(M, q), M a P-matrix, by block principal pivoting. A sparse M goes to
+ * active.c.
  *
  *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0
  *
@@ -45,20 +46,21 @@ struct dls_principal {
   dls_principal_settings settings;
   int n; /* of create */
   atomic_int busy;
-  int symmetric;      /* 1: M = M^T, and Cholesky has not failed on it */
-  int *A;             /* the basis, ascending, factors.n = |A| of n */
-  char *in;           /* 1 for i in A, n */
-  char *infeasible;   /* 1 for i in H, n */
-  int *iwork;         /* scratch, 2 n */
-  dlsi_dense factors; /* R_A M_AA C_A */
-  double *R, *C;      /* powers of two, n */
-  double *x;          /* right-hand side, n */
-  double *z, *y;      /* of (PP1), n */
-  double *a;          /* |M||z|, n */
-  double *s;          /* weights of the certificate, n */
-  double *best;       /* z of least residual, n */
-  double *work;       /* scratch, 9 n */
-  double begun;       /* CPU seconds when the solve began; -1: not needed */
+  int symmetric;       /* 1: M = M^T, and Cholesky has not failed on it */
+  int *A;              /* the basis, ascending, factors.n = |A| of n */
+  char *in;            /* 1 for i in A, n */
+  char *infeasible;    /* 1 for i in H, n */
+  int *iwork;          /* scratch, 2 n */
+  dlsi_dense factors;  /* R_A M_AA C_A */
+  double *R, *C;       /* powers of two, n */
+  double *x;           /* right-hand side, n */
+  double *z, *y;       /* of (PP1), n */
+  double *a;           /* |M||z|, n */
+  double *s;           /* weights of the certificate, n */
+  double *best;        /* z of least residual, n */
+  dlsi_active *sparse; /* for Ms; NULL: for a dense M, and the next arrays are there */
+  double *work;        /* scratch, 9 n */
+  double begun;        /* CPU seconds when the solve began; -1: not needed */
 };
 
 void dls_principal_settings_init(dls_principal_settings *settings) {
@@ -78,6 +80,7 @@ static void principal_carve(void *workspace, dlsi_arena *arena) {
   work->in = dlsi_take(arena, n, sizeof *work->in);
   work->infeasible = dlsi_take(arena, n, sizeof *work->infeasible);
   work->iwork = dlsi_take(arena, 2 * n, sizeof *work->iwork);
+  if (work->settings.limits.blocks > 0) return;
   work->work = dlsi_take(arena, 9 * n, sizeof *work->work);
   work->factors.pivot = dlsi_take(arena, n, sizeof *work->factors.pivot);
   work->factors.A = dlsi_take(arena, n, n * sizeof *work->factors.A);
@@ -96,8 +99,11 @@ static dls_status principal_create(dls_principal **out, int n,
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
   void *made = NULL;
   if (!status) status = dlsi_check_blas(error);
+  if (!status && s->limits.blocks > 0)
+    status = dlsi_active_create(&work.sparse, n, s->limits.blocks, error);
   if (!status)
     status = dlsi_carve_workspace(&made, &work, sizeof work, principal_carve, "n", n, error);
+  if (status) dlsi_active_destroy(work.sparse);
   *out = made;
   return status;
 }
@@ -109,6 +115,7 @@ dls_status dls_principal_create(dls_principal **out, int n, const dls_principal_
 }
 
 void dls_principal_destroy(dls_principal *workspace) {
+  if (workspace) dlsi_active_destroy(workspace->sparse);
   free(workspace);
 }
 
@@ -246,12 +253,25 @@ static dls_status principal_iterate(dls_principal *work, const dls_lcp *lcp,
   }
 }
 
+/* Checks that create was told of this kind of M. */
+static dls_status principal_check_room(const dls_principal *work, const dls_lcp *lcp,
+                                       dls_error *error) {
+  const int most = work->settings.limits.blocks, has = lcp->Ms.p ? lcp->Ms.p[lcp->n] : 0;
+  if (lcp->Ms.p ? most > 0 && has <= most : most == 0) return DLS_OK;
+  return dlsi_fail(error, DLS_E_SIZE, lcp->Ms.p ? "Ms" : "M", -1, has,
+                   lcp->Ms.p ? "has %d entries, limits.blocks of create was %d"
+                             : "is dense (%d entries of Ms), limits.blocks of create was %d",
+                   has, most);
+}
+
 /* Checks the arguments of a solve and enters the workspace. */
 static dls_status principal_enter(dls_principal *work, const dls_lcp *lcp, const double *z,
                                   dls_error *error) {
   if (!work) return dlsi_is_null(error, "workspace");
-  const dls_status status =
-      dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  dls_status status = dlsi_check_lcp(lcp, error);
+  if (!status)
+    status = dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  if (!status) status = principal_check_room(work, lcp, error);
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
@@ -259,18 +279,25 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
                                dls_principal_info *info, dls_error *error) {
   DLSI_DOOR;
   dls_principal *work = workspace;
-  const dls_status status = principal_enter(work, lcp, z, error);
+  dls_status status = principal_enter(work, lcp, z, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
   dls_principal_info result = {0};
   work->begun = dlsi_clock_start(&work->settings.limits);
-  work->symmetric = principal_is_symmetric(lcp);
-  principal_scale(work, lcp);
   dlsi_lcp_weights(lcp, work->s);
-  for (int i = 0; i < n; i++)
-    work->in[i] = work->settings.limits.warm_start && z[i] > 0;
-  memset(work->best, 0, (size_t)n * sizeof *work->best);
-  result.status = principal_iterate(work, lcp, &result);
+  if (work->sparse) {
+    memcpy(work->best, z, (size_t)n * sizeof *z);
+    status = dlsi_active_run(work->sparse, lcp, &work->settings, work->begun, work->best, &result,
+                             error);
+    if (status < 0) return dlsi_at(__func__, dlsi_leave(&work->busy, status), error);
+  } else {
+    work->symmetric = principal_is_symmetric(lcp);
+    principal_scale(work, lcp);
+    for (int i = 0; i < n; i++)
+      work->in[i] = work->settings.limits.warm_start && z[i] > 0;
+    memset(work->best, 0, (size_t)n * sizeof *work->best);
+    result.status = principal_iterate(work, lcp, &result);
+  }
   for (int i = 0; i < n; i++)
     z[i] = work->best[i] > 0 ? work->best[i] : 0;
   dlsi_lcp_multiply(lcp, lcp->q, z, work->y, work->a);

@@ -4,7 +4,8 @@
  *
  *     y = M z + q,   y >= 0,  z >= 0,  y^T z = 0                    [Chabrand 1998] (40)
  *
- * ([C] writes W for y.) M is n x n, dense, of any kind.
+ * ([C] writes W for y.) M is n x n, of any kind: dense for all functions; in compressed columns for
+ * dls_lcp_check, dls_lcp_certify and dls_principal_solve (pivoting.h).
  */
 #ifndef DELASSUS_LCP_H
 #define DELASSUS_LCP_H
@@ -19,14 +20,17 @@ extern "C" {
 /* A view; everything is borrowed. */
 typedef struct dls_lcp {
   int n;
-  dls_dense M;     /* n x n */
+  dls_dense M;     /* n x n; M.a = NULL if Ms is given */
   const double *q; /* n */
+  dls_sparse Ms;   /* n x n, in place of M; Ms.p = NULL for none */
 } dls_lcp;
 
-/* Checks sizes, pointers and finite values. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
+/* Checks sizes, pointers, indices and finite values. DLS_E_ARGUMENT (also for both M and Ms),
+ * DLS_E_SIZE, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error);
 
-/* The certificate of z, with s_i = |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row:
+/* The certificate of z, with s_i = |M_ii|, or max_j |M_ij| where M_ii = 0 (of Ms the largest stored
+ * entry), or 1 for a zero row:
  *
  *   F_i = min( s_i z_i, y_i ),   y = M z + q recomputed,   residual = |F|_2 / |q|_2
  *
@@ -107,8 +111,8 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
  *                       1e-14 (n + 10) of a proof by dls_lcp_check_farkas
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
  *   DLS_STALLED         rounding: an answer or a ray was reached that cannot be confirmed
- * or an error of dls_lcp_check. With a status > 0, z is the point found with the smallest
- * residual. */
+ * or an error of dls_lcp_check; DLS_E_UNSUPPORTED for Ms. With a status > 0, z is the point found
+ * with the smallest residual. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z,
                                                 double *y, dls_lemke_info *info, dls_error *error);
 
@@ -127,7 +131,7 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_farkas(const dls_lemke *workspace, dou
 /* Frees the object; NULL is fine. */
 DLS_API void dls_lemke_destroy(dls_lemke *workspace);
 
-/* ---- proofs, checked in O(n^2) --------------------------------------------------------------- */
+/* ---- proofs, checked in O(n^2); DLS_E_UNSUPPORTED for Ms ------------------------------------- */
 
 /* Measures in *violation how far (z, z0), (dz, dz0) is from a secondary ray of LCP(M, q) with the
  * covering vector `cover` (n, > 0). With y = M z + d z0 + q, dy = M dz + d dz0, a ray has

@@ -88,7 +88,8 @@ DLS_API void dls_motion_settings_init(dls_motion_settings *settings);
 typedef struct dls_motion dls_motion;
 
 /* Creates a motion: *out, the bodies at rest at x = 0; NULL on error. Reduces A. Memory: that of
- * dls_reduction_create and dls_solver_create, and O(n + nnz). Checks all arguments before any work:
+ * dls_reduction_create, and O(n + nnz); on W also that of dls_solver_create, and (d candidates)^2
+ * doubles. Checks all arguments before any work:
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ... and
  * the index. The errors of dls_reduction_create: of a singular A they name M, on a path K. */
 DLS_API DLS_MUST_USE dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,

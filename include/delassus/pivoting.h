@@ -2,7 +2,8 @@
  * delassus/pivoting.h: two relatives of Lemke's method for LCP(M, q) of delassus/lcp.h.
  *
  *   dls_principal_solve  block principal pivoting, for P-matrices (every principal minor > 0): one
- *                        factorisation per guess of the active set instead of one pivot per unknown
+ *                        factorisation per guess of the active set instead of one pivot per
+ *                        unknown; sparse factors for a sparse M, with a smoothing path as safeguard
  *   dls_lcp_enumerate    all solutions of a small LCP, n <= 20, whatever M
  */
 #ifndef DELASSUS_PIVOTING_H
@@ -18,12 +19,15 @@ extern "C" {
 
 /* Fill by dls_principal_settings_init, then change fields; NULL settings mean the defaults. */
 typedef struct dls_principal_settings {
-  dls_limits limits; /* max_iterations: exchanges; the method's own limit: 10 n + 1000.
-                        warm_start: from the support { i : z_i > 0 } of z */
+  dls_limits limits; /* max_iterations: exchanges and steps of the path; the method's own limit:
+                        10 n + 1000. warm_start: from the support { i : z_i > 0 } of z. blocks:
+                        storage of M for which create allocates: 0: dense; > 0: Ms of up to so many
+                        entries (1 for none); 0 */
   size_t size;       /* set by init; settings without it are refused */
   int block_steps;   /* exchanges of all infeasible unknowns at once that may pass without a new
                          least number of them; then one at a time, least index first (Murty), until
-                         that number falls. >= 0; 0: always one at a time; 10 */
+                         that number falls; of Ms the smoothing path in their place. >= 0; 0: always
+                        one at a time; 10 */
 } dls_principal_settings;
 
 /* Sets each field to its default. */
@@ -33,21 +37,22 @@ typedef struct dls_principal_info {
   dls_status status;
   int iterations;                  /* exchanges */
   int single_exchanges;            /* those of them made one unknown at a time */
-  int factorizations;              /* of principal submatrices, Cholesky or LU */
+  int factorizations;              /* of principal submatrices, Cholesky or LU, and of path_steps */
+  int path_steps;                  /* Ms: steps of the smoothing path, each with a factorisation */
   dls_lcp_certificate certificate; /* of the z that is returned */
 } dls_principal_info;
 
 typedef struct dls_principal dls_principal; /* workspace for n <= the n of create */
 
-/* Creates a workspace: *out, NULL on error; n^2 + O(n) doubles. The settings are copied.
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+/* Creates a workspace: *out, NULL on error; n^2 + O(n) doubles, or O(n + limits.blocks) for Ms. The
+ * settings are copied. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
                                                      const dls_principal_settings *settings,
                                                      dls_error *error);
 
 /* Solves the LCP. z (n): in, the start if warm_start, else ignored; out, the solution, z >= 0.
  * y (n, or NULL) := M z + q. info or NULL. z and y must not overlap each other or the problem.
- * Allocates nothing.
+ * Allocates nothing for M; for Ms the factors.
  *
  *   DLS_OK              certified; the only solution if M is a P-matrix
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
@@ -57,8 +62,21 @@ DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
  *                       none; or the last basis is feasible and the certificate does not hold; z as
  *                       above
  *
- * or an error of dls_lcp_check. For a P-matrix the method ends; for others it may cycle, up to
- * max_iterations. Singular M (a structure on more supports than it needs): use Lemke. */
+ * or an error of dls_lcp_check; DLS_E_SIZE for an M or Ms that limits.blocks did not announce;
+ * DLS_E_MEMORY, and in a build without MUMPS DLS_E_UNSUPPORTED for a basis of more than 8000
+ * unknowns (Ms). For a P-matrix the method ends; for others it may cycle, up to max_iterations.
+ * Singular M (a structure on more supports than it needs): use Lemke.
+ *
+ * Of Ms it ends, in exact arithmetic, for every P-matrix, at a basis, so that z has the rounding
+ * level as residual. P-matrices are for example
+ *
+ *   symmetric positive definite ones, also with a skew part
+ *   M-matrices (obstacle problems, optimal stopping)
+ *   strictly diagonally dominant ones with M_ii > 0
+ *
+ * Of a positive semidefinite M + M^T (a quadratic program with its multipliers) it usually ends,
+ * where some z > 0 has M z + q > 0: at a basis, or on the path once tol is met. For others it may
+ * stop with DLS_STALLED. No status of it proves that there is no solution. */
 DLS_API DLS_MUST_USE dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp,
                                                     double *z, double *y, dls_principal_info *info,
                                                     dls_error *error);

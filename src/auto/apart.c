@@ -97,9 +97,9 @@ dls_status dlsi_auto_take_touching(dlsi_auto *work, const dls_contact *problem,
   const size_t d = (size_t)problem->d, n = (size_t)count, m = d * n;
   dls_status status = DLS_STALLED;
   if (count == 0) return status;
-  double *values = dlsi_alloc(m * m + m + n + d * (size_t)problem->nc, sizeof *values);
-  if (values) { /* else the whole, which needs no copy */
-    work->shown = values + m * m + m + n;
+  double *values = dlsi_alloc(m * m + m + 3 * n + d * (size_t)problem->nc, sizeof *values);
+  if (values) {                               /* else the whole, which needs no copy */
+    work->shown = values + m * m + m + 3 * n; /* behind W, q, mu, weights */
     status = take_others(work, problem, count, values, solve, error);
   }
   free(values);

@@ -1,5 +1,6 @@
 /* solve.c: delassus solve FILE, delassus solve --lcp M.mtx q.mtx: solves problems from files. */
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -301,15 +302,68 @@ end:
 
 /* ---- LCPs ------------------------------------------------------------------------------------ */
 
+/* The solver of an LCP, one of the two, and its answer. */
+typedef struct lcp_run {
+  dls_lemke *lemke;
+  dls_principal *principal; /* for a sparse M */
+  dls_status status;
+  dls_lcp_certificate certificate;
+  int iterations;
+  char words[96]; /* the steps that it took */
+  double cpu_seconds;
+} lcp_run;
+
+static const char *lcp_method(const lcp_run *run) {
+  return run->lemke ? "lemke" : "principal";
+}
+
+/* Solves by Lemke's method. z: n. Returns DLS_OK or an error. */
+static dls_status run_lemke(lcp_run *run, const dls_lcp *lcp, const dls_limits *limits, double *z,
+                            dls_error *error) {
+  dls_lemke_settings settings;
+  dls_lemke_info info;
+  dls_lemke_settings_init(&settings);
+  settings.limits = *limits;
+  dls_status status = dls_lemke_create(&run->lemke, lcp->n, &settings, error);
+  if (!status) status = dls_lemke_solve(run->lemke, lcp, z, NULL, &info, error);
+  if (status < 0) return status;
+  run->status = status;
+  run->certificate = info.certificate;
+  run->iterations = info.pivots + info.crash_rounds;
+  (void)snprintf(run->words, sizeof run->words, "%d round%s of the crash start, %d pivot%s",
+                 info.crash_rounds, plural(info.crash_rounds), info.pivots, plural(info.pivots));
+  return DLS_OK;
+}
+
+/* As run_lemke, by active sets with sparse factors. */
+static dls_status run_principal(lcp_run *run, const dls_lcp *lcp, const dls_limits *limits,
+                                double *z, dls_error *error) {
+  dls_principal_settings settings;
+  dls_principal_info info;
+  dls_principal_settings_init(&settings);
+  settings.limits = *limits;
+  settings.limits.blocks = lcp->Ms.p[lcp->n] + 1;
+  dls_status status = dls_principal_create(&run->principal, lcp->n, &settings, error);
+  if (!status) status = dls_principal_solve(run->principal, lcp, z, NULL, &info, error);
+  if (status < 0) return status;
+  run->status = status;
+  run->certificate = info.certificate;
+  run->iterations = info.iterations;
+  (void)snprintf(run->words, sizeof run->words, "%d factorisation%s, %d of the path",
+                 info.factorizations, plural(info.factorizations), info.path_steps);
+  return DLS_OK;
+}
+
 /* Fills v of an LCP after a solve; x: n, room for its vector. Returns DLS_OK, or an error. */
-static dls_status fill_lcp_verdict(verdict *v, const dls_lemke *lemke, const dls_lcp *lcp,
-                                   dls_status status, double *x, dls_error *error) {
+static dls_status fill_lcp_verdict(verdict *v, const lcp_run *run, const dls_lcp *lcp, double *x,
+                                   dls_error *error) {
+  const dls_status status = run->status;
   double violation = INFINITY;
   dls_status done = DLS_OK;
   *v = (verdict){.rows = lcp->n, .stride = 1};
-  if (status == DLS_NO_SOLUTION) done = dls_lemke_farkas(lemke, x, error);
+  if (status == DLS_NO_SOLUTION) done = dls_lemke_farkas(run->lemke, x, error);
   if (status == DLS_RAY) {
-    done = dls_lemke_ray(lemke, NULL, NULL, x, NULL, NULL, error);
+    done = dls_lemke_ray(run->lemke, NULL, NULL, x, NULL, NULL, error);
     if (!done) done = dls_lcp_check_farkas(lcp, x, &violation, error);
   }
   if (status == DLS_NO_SOLUTION || violation <= 1e-14 * (lcp->n + 10)) /* as dls_lemke_solve asks */
@@ -317,72 +371,74 @@ static dls_status fill_lcp_verdict(verdict *v, const dls_lemke *lemke, const dls
   else if (status == DLS_RAY)
     v->ray = x;
   verdict_fill(v, status, 1);
+  if (status == DLS_STALLED && run->principal) {
+    v->says = "active sets stopped without an answer";
+    v->next = "M is no P-matrix, or there is no solution. --method lemke stores M densely, solves "
+              "more kinds of M, and may prove that there is no solution.";
+  }
   return done;
 }
 
-static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_seconds,
-                           const verdict *v, int proof) {
-  const dls_lcp_certificate *c = &info->certificate;
-  printf("{\n  \"status\": \"%s\",\n  \"method\": \"lemke\",\n  \"dimension\": %d,\n"
+static void print_lcp_json(int n, const lcp_run *run, const verdict *v, int proof) {
+  const dls_lcp_certificate *c = &run->certificate;
+  printf("{\n  \"status\": \"%s\",\n  \"method\": \"%s\",\n  \"dimension\": %d,\n"
          "  \"contacts\": 0,\n  \"iterations\": %d",
-         status_word(info->status), n, info->pivots + info->crash_rounds);
+         status_word(run->status), lcp_method(run), n, run->iterations);
   print_json_field(stdout, "residual", c->residual);
   print_json_field(stdout, "floor", c->floor);
   print_json_field(stdout, "penetration", c->negative_y); /* y stands for u_n */
   print_json_field(stdout, "cone_violation", c->negative_z);
   print_json_field(stdout, "complementarity", c->complementarity);
-  print_json_field(stdout, "solve_cpu_seconds", solve_cpu_seconds);
+  print_json_field(stdout, "solve_cpu_seconds", run->cpu_seconds);
   print_json_verdict(stdout, v, proof);
   puts("\n}");
+}
+
+static void print_lcp(const char *path, int n, const lcp_run *run) {
+  const dls_lcp_certificate *c = &run->certificate;
+  printf("%s: LCP of %d unknown%s\n", quote(AS_SHOWN, path).text, n, plural(n));
+  printf("  %s: %s, %s, residual %.2e (floor %.1e), %.3g s of CPU\n", lcp_method(run),
+         dls_status_text(run->status), run->words, c->residual, c->floor, run->cpu_seconds);
+  printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n", c->negative_z, c->negative_y,
+         c->complementarity);
 }
 
 /* Solves an LCP and tells of it; `path` names it. */
 static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_options *options) {
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
-  dls_lemke *lemke = NULL;
+  lcp_run run = {0};
   const int n = lcp->n;
   int result = EXIT_BAD_INPUT;
-  dls_lemke_settings settings;
-  dls_lemke_settings_init(&settings);
-  settings.limits = options->solver.settings.limits;
   double *z = calloc(2 * (size_t)n, sizeof *z);
-  if (!z || dls_lemke_create(&lemke, n, &settings, &error)) goto failed;
-  dls_lemke_info info;
   const double start = cpu_seconds();
-  const dls_status status = dls_lemke_solve(lemke, lcp, z, NULL, &info, &error);
-  const double solve_cpu_seconds = cpu_seconds() - start;
+  const dls_limits *limits = &options->solver.settings.limits;
+  const int ends = z && !(lcp->Ms.p ? run_principal : run_lemke)(&run, lcp, limits, z, &error);
+  run.cpu_seconds = cpu_seconds() - start;
   progress_end();
-  if (status < 0) goto failed;
+  if (!ends) goto failed;
   verdict v;
-  if (fill_lcp_verdict(&v, lemke, lcp, status, z + n, &error)) goto failed;
+  if (fill_lcp_verdict(&v, &run, lcp, z + n, &error)) goto failed;
   if (is_json())
-    print_lcp_json(n, &info, solve_cpu_seconds, &v, options->proof);
+    print_lcp_json(n, &run, &v, options->proof);
   else if (!is_quiet()) {
-    printf("%s: LCP of %d unknown%s\n", quote(AS_SHOWN, path).text, n, plural(n));
-    printf(
-        "  lemke: %s, %d round%s of the crash start, %d pivot%s, residual %.2e (floor %.1e), %.3g "
-        "s of CPU\n",
-        dls_status_text(status), info.crash_rounds, plural(info.crash_rounds), info.pivots,
-        plural(info.pivots), info.certificate.residual, info.certificate.floor, solve_cpu_seconds);
-    printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n",
-           info.certificate.negative_z, info.certificate.negative_y,
-           info.certificate.complementarity);
+    print_lcp(path, n, &run);
     verdict_print(&v, options->proof);
   }
   const dls_dense answer = {n, 1, n, z};
   char room[UNSOLVED_ROOM];
-  const char *unsolved = unsolved_words(status, info.certificate.residual, room, sizeof room);
+  const char *unsolved = unsolved_words(run.status, run.certificate.residual, room, sizeof room);
   if (options->out && dls_mtx_write_commented(options->out, &answer, unsolved, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (!is_json()) print_ending(status, NULL);
-  result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (!is_json()) print_ending(run.status, NULL);
+  result = run.status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
   goto end;
 failed:
   (void)complain_of(path, &error);
 end:
-  dls_lemke_destroy(lemke);
+  dls_lemke_destroy(run.lemke);
+  dls_principal_destroy(run.principal);
   free(z);
   return result;
 }
@@ -402,21 +458,42 @@ static int suits_lcp(const solve_options *o) {
                                                             : "forces");
 }
 
+/* Beyond, Lemke's method would take seconds and n^2 doubles. */
+enum { rows_of_lemke = 2000 };
+
+/* Solves LCP(A, q): by Lemke's method, or by active sets a large A with zeros in most places. */
+static int solve_lcp_columns(const char *path, const dls_sparse *A, const double *q,
+                             const solve_options *options) {
+  const int n = A->cols;
+  const size_t size = (size_t)n;
+  if (n > rows_of_lemke && (size_t)A->p[n] < size * size / 4 && !options->solver.method_given)
+    return solve_one_lcp(path, &(dls_lcp){.n = n, .q = q, .Ms = *A}, options);
+  double *M = size <= SIZE_MAX / size / sizeof *M ? calloc(size * size, sizeof *M) : NULL;
+  if (!M) return complain("%s: no memory for a dense M of %d rows", path, n);
+  for (int j = 0; j < n; j++)
+    for (int k = A->p[j]; k < A->p[j + 1]; k++)
+      M[(size_t)A->i[k] + size * (size_t)j] += A->x[k];
+  const int result = solve_one_lcp(path, &(dls_lcp){.n = n, .M = {n, n, n, M}, .q = q}, options);
+  free(M);
+  return result;
+}
+
 static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
   dls_error error = {0};
-  double *M = NULL, *q = NULL;
-  int rows, cols, q_rows, q_cols, result = EXIT_BAD_INPUT;
-  if (dls_mtx_read(input_path(path_M), &rows, &cols, &M, &error))
+  dls_sparse M = {0};
+  double *q = NULL;
+  int q_rows, q_cols, result = EXIT_BAD_INPUT;
+  if (dls_mtx_read_sparse(input_path(path_M), &M, NULL, &error))
     (void)complain_of(path_M, &error);
   else if (dls_mtx_read(input_path(path_q), &q_rows, &q_cols, &q, &error))
     (void)complain_of(path_q, &error);
-  else if (rows != cols || rows < 1)
-    (void)complain("%s: M is %d x %d, must be square", path_M, rows, cols);
-  else if ((q_rows != rows || q_cols != 1) && (q_rows != 1 || q_cols != rows))
-    (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, rows);
+  else if (M.rows != M.cols || M.rows < 1)
+    (void)complain("%s: M is %d x %d, must be square", path_M, M.rows, M.cols);
+  else if ((q_rows != M.rows || q_cols != 1) && (q_rows != 1 || q_cols != M.rows))
+    (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, M.rows);
   else
-    result = solve_one_lcp(path_M, &(dls_lcp){rows, {rows, rows, rows, M}, q}, options);
-  dls_mtx_free(M);
+    result = solve_lcp_columns(path_M, &M, q, options);
+  dls_mtx_free_sparse(&M);
   dls_mtx_free(q);
   return result;
 }
@@ -433,7 +510,7 @@ static int solve_file(const char *path, const solve_options *options) {
                : solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
   if (suits_lcp(options) && dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
-    result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
+    result = solve_one_lcp(path, &(dls_lcp){.n = n, .M = {n, n, n, M}, .q = q}, options);
   dls_text_destroy(text);
   return result;
 }

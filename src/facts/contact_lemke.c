@@ -207,7 +207,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
              : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
   if (status) return stall_beyond_range(status);
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
-  const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, work->M}, .q = work->q};
   dls_lemke_info info;
   dls_limits limits = work->limits;
   work->form = facets;
@@ -271,7 +271,7 @@ static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_er
 static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, dls_status status,
                                int *pivots, dls_error *error) {
   const int n = dlsi_farkas_size(problem);
-  const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, work->M}, .q = work->q};
   dls_lemke_info info;
   if (n > work->n) return status;
   work->form = linear_form;

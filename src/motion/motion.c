@@ -1,8 +1,8 @@
 /*
  * motion.c: makes a motion, starts it, changes its step, shows it. step.c has the scheme.
  *
- * Memory: that of the reduction of A and of the solver; (d nc)^2 doubles for W of the active
- * contacts; O(n + nnz). Fails: settings or sizes that do not fit, a singular A, no memory.
+ * Memory: that of the reduction of A; O(n + nnz); on W that of the solver and (d nc)^2 doubles.
+ * Fails: settings or sizes that do not fit, a singular A, no memory.
  */
 #include <float.h>
 #include <math.h>
@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/body.h"
+#include "front/front.h"
 #include "motion/motion_internal.h"
 
 void dls_motion_settings_init(dls_motion_settings *settings) {
@@ -137,6 +138,7 @@ static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
   motion->weight = dlsi_take(arena, 2 * nc, sizeof *motion->weight);
+  if (motion->on_K) return;
   /* m^2 + (d + 3) nc at most */
   motion->values = dlsi_take(arena, m + 3, m * sizeof *motion->values);
 }
@@ -189,11 +191,18 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   return DLS_OK;
 }
 
-static dls_status motion_prepare_solver(dls_motion *motion, dls_error *error) {
+static dls_solver_settings motion_solver_settings(const dls_motion *motion) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.limits = motion->settings.limits;
   settings.method = motion->settings.method;
+  return settings;
+}
+
+/* Creates the solver of steps on W: on K it would never run, with memory for a dense W. */
+static dls_status motion_prepare_solver(dls_motion *motion, dls_error *error) {
+  if (motion->on_K) return DLS_OK;
+  const dls_solver_settings settings = motion_solver_settings(motion);
   return dls_solver_create(&motion->solver, motion->model.d, (int)motion->candidates, &settings,
                            error);
 }
@@ -214,8 +223,10 @@ static dls_status motion_create(dls_motion **out, const dls_motion_model *model,
   motion->nodes = (size_t)model->nodes;
   motion->candidates = (size_t)(model->P.p ? model->P.cols : model->nodes);
   motion->m = (size_t)model->d * motion->candidates;
-  status = motion_prepare_solver(motion, error); /* checks the method */
+  const dls_solver_settings solver = motion_solver_settings(motion);
+  status = dlsi_solver_check(&solver, error);
   if (!status) status = motion_reduce(motion, error);
+  if (!status) status = motion_prepare_solver(motion, error);
   if (!status) status = motion_allocate(motion, error);
   if (!status) status = motion_start(motion, NULL, NULL, 0, error);
   if (status)
@@ -307,7 +318,8 @@ dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
 static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits,
                                     dls_error *error) {
   if (!limits) return dlsi_is_null(error, "limits");
-  const dls_status status = dls_solver_set_limits(motion->solver, limits, error);
+  const dls_status status = motion->on_K ? dlsi_check_limits(limits, error)
+                                         : dls_solver_set_limits(motion->solver, limits, error);
   if (!status) motion->settings.limits = *limits;
   return status;
 }

@@ -27,7 +27,7 @@ struct dls_motion {
   int on_K;                       /* 1: a path whose contact problem is solved on K, without W */
   dlsi_columns A;
   dls_reduction *reduction;
-  dls_solver *solver;
+  dls_solver *solver;  /* NULL on K */
   dls_contact problem; /* of the last step */
 
   long long steps;
@@ -42,7 +42,7 @@ struct dls_motion {
   double *uc, *mc;                      /* m: scratch, by contact */
   double *r, *w;                        /* m: of the active contacts, reactions and W r + q */
   double *weight;                       /* 2 candidates: weights of the active contacts */
-  double *values;                       /* memory of W, q, mu of the active contacts */
+  double *values;                       /* memory of W, q, mu of the active contacts; none on K */
   void *memory;                         /* of all arrays but A */
 };
 

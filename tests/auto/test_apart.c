@@ -154,6 +154,38 @@ START_TEST(no_memory) {
 }
 END_TEST
 
+static int go_on(void *data, const dls_progress *progress) {
+  (void)data;
+  (void)progress;
+  return 0;
+}
+
+/* The copy takes the caller's weights along, also while it shows r of all candidates. */
+START_TEST(weights) {
+  const int d = _i;
+  static double given[2 * count], r[most], without[most];
+  dls_contact p = row(d, d > 1 ? 0.3 : 0);
+  for (int c = 0; c < count && d == 1; c++)
+    mu[c] = 0;
+  for (int c = 0; c < 2 * count; c++)
+    given[c] = 1 + c % 3;
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.limits.tol = 1e-12;
+  settings.limits.progress = go_on;
+  dls_info info;
+  dls_certificate certificate;
+  ck_assert_int_eq(dls_solve(&p, &settings, without, NULL, &info, NULL), DLS_OK);
+  p.weights = given;
+  ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &certificate, NULL), DLS_OK);
+  ck_assert(certificate.residual == info.certificate.residual);
+  for (int k = 0; k < d * count; k++)
+    ck_assert_double_eq_tol(r[k], without[k], 1e-10);
+}
+END_TEST
+
 int main(void) {
-  return RUN("apart", NULL, NULL, EACH(proofs, 1, 4), ONCE(answers), ONCE(stops), ONCE(no_memory));
+  return RUN("apart", NULL, NULL, EACH(proofs, 1, 4), ONCE(answers), EACH(weights, 1, 4),
+             ONCE(stops), ONCE(no_memory));
 }

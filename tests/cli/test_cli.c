@@ -69,6 +69,54 @@ START_TEST(help_and_version) {
 END_TEST
 
 /* The problems of the catalogue, contact and LCP, in text. */
+/* A large sparse M: active sets with sparse factors. An obstacle of 1 below a string of 2500 nodes
+ * that is pulled down, y = M z + q; then M = -I, q = -1, which has no solution. */
+START_TEST(large_sparse_lcp) {
+  enum { n = 2500, room = 200000 };
+  char *M = malloc(room), *q = malloc(room), path[128];
+  size_t m = (size_t)snprintf(
+      M, room, "%%%%MatrixMarket matrix coordinate real symmetric\n%d %d %d\n", n, n, 2 * n - 1);
+  size_t k = (size_t)snprintf(q, room, "%%%%MatrixMarket matrix array real general\n%d 1\n", n);
+  for (int i = 1; i <= n; i++) {
+    m += (size_t)snprintf(M + m, room - m, "%d %d 2\n", i, i);
+    if (i < n) m += (size_t)snprintf(M + m, room - m, "%d %d -1\n", i + 1, i);
+    k += (size_t)snprintf(q + k, room - k, "%.17g\n", i == 1 || i == n ? 1e-5 - 1 : 1e-5);
+  }
+  write_text("M.mtx", M);
+  write_text("q.mtx", q);
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx --json --output=@/z.mtx"), 0);
+  ck_assert(prints("\"principal\"") && prints("\"solved\"") && json_number("residual") <= 1e-12);
+  int rows, cols, touches = 0;
+  double *z;
+  (void)snprintf(path, sizeof path, "%s/z.mtx", directory);
+  ck_assert_int_eq(dls_mtx_read(path, &rows, &cols, &z, NULL), DLS_OK);
+  ck_assert(rows == n && cols == 1);
+  for (int i = 0; i < n; i++) { /* ends at height 1 */
+    const double y = 2 * z[i] - (i > 0 ? z[i - 1] : 1) - (i < n - 1 ? z[i + 1] : 1) + 1e-5;
+    ck_assert(z[i] >= 0 && y >= -1e-14 && (z[i] == 0 || fabs(y) < 1e-14));
+    touches += z[i] == 0;
+  }
+  ck_assert(touches > n / 2 && touches < n);
+  dls_mtx_free(z);
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx"), 0);
+  ck_assert(prints("LCP of 2500 unknowns") && prints("principal: solved") &&
+            prints("factorisation"));
+  /* an entry that is no number, a size that does not fit, limits */
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx --method nlgs"), 2);
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/M.mtx"), 2);
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx --max-iter 1 --tol 1e-14"), 1);
+  m = (size_t)snprintf(M, room, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", n, n,
+                       n);
+  for (int i = 1; i <= n; i++)
+    m += (size_t)snprintf(M + m, room - m, "%d %d -1\n", i, i);
+  write_text("M.mtx", M);
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx"), 1);
+  ck_assert(prints("active sets stopped without an answer") && prints("--method lemke"));
+  free(M);
+  free(q);
+}
+END_TEST
+
 START_TEST(text_problems) {
   says("solve " TEST_DATA "/failures/c24-runaway.txt", "3 contacts, text");
   ck_assert_int_eq(run("solve --json " TEST_DATA "/failures/c20-scales.txt"), 0);
@@ -914,7 +962,8 @@ int main(void) {
       ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
       ONCE(files_carry_their_status), ONCE(empty_names_are_2), ONCE(a_full_disk_keeps_old_files),
       ONCE(a_folder_has_one_owner), EACH(signals_end_a_solve, 0, 4), ONCE(threads_have_limits),
-      ONCE(lcp_files), ONCE(text_problems), ONCE(plans_and_explanations), ONCE(proofs),
-      ONCE(history_of_a_solve), ONCE(histories_never_run_back), ONCE(info_lists_all_solutions),
-      ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
+      ONCE(lcp_files), ONCE(large_sparse_lcp), ONCE(text_problems), ONCE(plans_and_explanations),
+      ONCE(proofs), ONCE(history_of_a_solve), ONCE(histories_never_run_back),
+      ONCE(info_lists_all_solutions), ONCE(info_says_what_it_found),
+      ONCE(info_names_degenerate_contacts));
 }

@@ -128,7 +128,7 @@ static size_t do_pivoting(const blas_task *self, double *out) {
   dls_lemke *lemke = NULL;
   dls_principal *principal = NULL;
   ck_assert(dense_problem_make(&a, 1, n));
-  const dls_lcp lcp = {n, a.p.W, a.q};
+  const dls_lcp lcp = {.n = n, .M = a.p.W, .q = a.q};
   dls_lemke_settings_init(&settings);
   for (int crash = 0; crash < 2; crash++) {
     settings.crash = crash;

@@ -45,7 +45,7 @@ static void draw_lcp(lcp_case *a, int unit) {
     for (int j = 0; j < n; j++)
       a->M[i + n * j] = row[i] * column[j] * whole(-wide, wide);
   }
-  a->lcp = (dls_lcp){n, {n, n, n, a->M}, a->q};
+  a->lcp = (dls_lcp){.n = n, .M = {n, n, n, a->M}, .q = a->q};
 }
 
 /* Solves with the given crash start; asserts that OK means the certificate at tol; a->v := the

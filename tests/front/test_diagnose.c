@@ -439,7 +439,7 @@ static int count_reactions(const dls_contact *p) {
   int different = 0;
   ck_assert_int_le(n, N);
   ck_assert_int_eq(dls_contact_to_lcp(p, NULL, A, n, b, NULL), DLS_OK);
-  const dls_lcp lcp = {n, {n, n, n, A}, b};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, A}, .q = b};
   dls_enumeration found;
   ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-9, ROOM, z, &found, NULL), DLS_OK);
   for (int c = 0; c < p->nc; c++)

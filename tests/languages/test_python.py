@@ -399,6 +399,55 @@ class Reduce(unittest.TestCase):
         self.assertEqual(R.balance([0, 0]), 0)
         self.assertEqual(R.info["W_bytes"], 32)
 
+    def test_without_tangents(self):
+        # a membrane over a flat obstacle, without HT: d = 1, W by normals alone, or K
+        n = 12
+        line = sp.diags([2., -1., -1.], [0, 1, -1], (n, n))
+        K = (sp.kron(line, sp.eye(n)) + sp.kron(sp.eye(n), line)).tocsc()
+        I, f, g = sp.eye(n * n, format="csc"), np.full(n * n, -1e-2), np.full(n * n, 0.1)
+        exact = delassus.reduce(K, I, sp.csc_matrix((n * n, n * n))).solve(0, f=f, g=np.column_stack([g, 0 * g]))
+        for on in (None, "W", "K"):
+            R = delassus.reduce(K, I, on=on)
+            self.assertEqual((R.d, R.m), (1, n * n))
+            s = R.solve(f=f, g=g, tol=1e-14)
+            self.assertTrue(s.solved)
+            self.assertEqual((s.r.shape, s.u.shape), ((n * n, 1), (n * n, 1)))
+            np.testing.assert_allclose(s.r[:, 0], exact.r[:, 0], atol=1e-9)
+            np.testing.assert_allclose(s.x, exact.x, atol=1e-9)
+            np.testing.assert_allclose(K @ s.x, f + s.r[:, 0], atol=1e-12)
+            np.testing.assert_allclose(s.u[:, 0], s.x + g, atol=1e-9)
+            self.assertTrue(0 < (s.states == "free").sum() < n * n)
+            self.assertEqual(R.nodal(s.r).shape, (n * n, 1))
+            # dx/dg and its transpose
+            way, moved = np.cos(np.arange(n * n)), None
+            moved = s.jvp(g=way)
+            h = 1e-5
+            R.load(f, g + h * way)
+            np.testing.assert_allclose(moved.x, (R.solve(tol=1e-14).x - s.x) / h, atol=1e-6)
+            R.load(f, g)
+            s = R.solve(tol=1e-14)
+            self.assertAlmostEqual(s.vjp(x=way).g[:, 0] @ way, way @ s.jvp(g=way).x, 8)
+            np.testing.assert_array_equal(R.solve(0, f=f, g=g[:, None], tol=1e-14).x, s.x)
+            if on == "W":
+                self.assertEqual(R.W.shape, (n * n, n * n))
+                self.assertEqual(R.q.shape, (n * n, 1))
+        # friction without tangents: no silence
+        for call in (lambda: R.solve(0.3), lambda: delassus.reduce(K, I, mu=np.full(n * n, 0.3)),
+                     lambda: delassus.Motion(K, I, law="path").step(f, mu=0.3),
+                     lambda: R.update(K, I, I)):
+            with self.assertRaisesRegex(ValueError, "HT is"):
+                call()
+        with self.assertRaisesRegex(ValueError, "g has 288"):
+            R.load(g=np.zeros((n * n, 2)))
+
+    def test_no_dense_tangents(self):
+        # zeros of n x nodes would take 5 GB
+        n = 25000
+        R = delassus.reduce(sp.diags([3.0, -1.0, -1.0], [0, 1, -1], (n, n), format="csc"), sp.eye(n, format="csc"))
+        s = R.solve(f=np.where(np.arange(n) % 2, 1.0, -2.0))
+        self.assertTrue(s.solved)
+        self.assertLess(R.info["bytes"], 1e9)
+
     def test_parts(self):
         K, HN, HT = chain(40)
         active = np.arange(HN.shape[1]) % 2
@@ -407,7 +456,7 @@ class Reduce(unittest.TestCase):
         self.assertEqual(len(R.solve(0.3, f=-np.ones(40)).r), active.sum())
         no_friction = delassus.reduce(K, HN).solve(f=-np.ones(40))
         self.assertTrue(no_friction.solved)
-        self.assertEqual(abs(no_friction.r[:, 1]).max(), 0)
+        self.assertEqual(no_friction.r.shape, (no_friction.r.size, 1))
         with_mu = delassus.reduce(K, HN, HT, mu=np.full(HN.shape[1], 0.3)).solve(f=-np.ones(40))
         given = delassus.reduce(K, HN, HT).solve(0.3, f=-np.ones(40))
         np.testing.assert_array_equal(with_mu.r, given.r)
@@ -424,10 +473,10 @@ class Reduce(unittest.TestCase):
             self.assertEqual(R.on, "K")
             solution = R.solve(f=[0, -10])
             self.assertTrue(solution.solved)
-            np.testing.assert_allclose(solution.r, [[10, 0]], rtol=1e-9)
+            np.testing.assert_allclose(solution.r, [[10]], rtol=1e-9)
             np.testing.assert_allclose(solution.x, [0, -10], atol=1e-9)
             self.assertEqual(list(solution.states), ["stick"])
-            for refused in (lambda: R.W, lambda: R.recover([[1, 0]]),
+            for refused in (lambda: R.W, lambda: R.recover([[1]]),
                             lambda: R.solve(method="nlgs")):
                 with self.assertRaises(delassus.Error) as caught:
                     refused()
@@ -537,6 +586,168 @@ class Motion(unittest.TestCase):
         with self.assertRaises(delassus.Error) as caught:
             self.ball(theta=2.0)
         self.assertEqual(caught.exception.argument, "theta")
+
+
+    def test_path_on_K(self):
+        # the contact problem is that on K: a Solution of all contacts
+        n = 40
+        line = sp.diags([2., -1., -1.], [0, 1, -1], (n, n))
+        K = (sp.kron(line, sp.eye(n)) + sp.kron(sp.eye(n), line)).tocsc()
+        motion = delassus.Motion(K, sp.eye(n * n, format="csc"), law="path", gap=0.05)
+        for load in (-1e-3, -2e-3):
+            s = motion.step(np.full(n * n, load))
+            self.assertTrue(s.solved)
+            np.testing.assert_allclose(K @ s.x, load + s.r[:, 0], atol=1e-9)
+            np.testing.assert_allclose(s.u[:, 0], s.x + 0.05, atol=1e-9)
+            np.testing.assert_array_equal(s.states, motion.states)
+            self.assertTrue(0 < (s.states == "free").sum() < n * n)
+
+
+class Many(unittest.TestCase):
+    def test_stack_and_list(self):
+        rng = np.random.default_rng(5)
+        for nc, d in ((1, 3), (4, 2), (8, 3), (9, 3), (3, 1)):
+            m, count = nc * d, 37
+            A = rng.normal(size=(count, m, m + 2))
+            # not symmetric: rows and columns must not be mixed up
+            W = A @ A.transpose(0, 2, 1) + 0.1 * np.triu(np.ones((m, m)), 1)
+            q = rng.normal(size=(count, nc, d))
+            mu = rng.uniform(0, 0.5, (count, nc)) if d > 1 else 0.0
+            batch = delassus.solve_many(W, q, mu)
+            listed = delassus.solve_many(list(W), list(q), list(mu) if d > 1 else 0, d)
+            flat = delassus.solve_many(W, q.reshape(count, m), mu, d)
+            self.assertEqual((len(batch), batch.r.shape), (count, (count, nc, d)))
+            np.testing.assert_array_equal(flat.r, batch.r)
+            for k in range(count):
+                single = mu[k] if d > 1 else 0
+                one = delassus.solve(W[k], q[k], single, d)
+                self.assertEqual(one.solved, batch.solved[k])
+                np.testing.assert_array_equal(listed.r[k], batch.r[k])
+                if not one.solved:
+                    continue
+                np.testing.assert_allclose(batch.r[k], one.r, atol=1e-6 * (1 + abs(one.r).max()))
+                np.testing.assert_allclose(batch.u[k].reshape(-1),
+                                           W[k] @ batch.r[k].reshape(-1) + q[k].reshape(-1), atol=1e-10)
+                self.assertLess(delassus.certify(W[k], q[k], single, batch.r[k], d).residual, 1e-7)
+                self.assertEqual(batch[k].residual, batch.residual[k])
+            np.testing.assert_array_equal(batch[-1].r, batch.r[-1])
+            self.assertEqual(len(list(batch)), count)
+            self.assertEqual(batch[1].proof.proved, delassus.solve(W[1], q[1], mu[1] if d > 1 else 0, d).proof.proved)
+            fewer = delassus.solve_many(W, q, mu, max_iterations=1, method="nlgs")
+            self.assertEqual(fewer.status[0], fewer[0].status)
+
+    def test_sizes_and_kinds(self):
+        W = [np.diag([1.0, 2.0]), sp.eye(4, format="csc"), (np.array([[0, -1]]), np.ones((1, 2, 2, 3)))]
+        q = [[-1.0, 0.0], [[-1.0, 0.0], [1.0, 0.0]], [-1.0, 0.1]]
+        batch = delassus.solve_many(W, q, [0.5, [0.1, 0.2], 0.3], 2)
+        for k in range(3):
+            one = delassus.solve(W[k], q[k], [0.5, [0.1, 0.2], 0.3][k], 2)
+            np.testing.assert_array_equal(batch[k].r, one.r)
+            self.assertEqual(batch[k].words, one.words)
+        self.assertEqual(len(delassus.solve_many([], [], [])), 0)
+        self.assertEqual(delassus.solve_many(np.zeros((0, 2, 2)), np.zeros((0, 1, 2)), 0.5).r.shape, (0, 1, 2))
+
+    def test_bad_input(self):
+        W, q = np.tile(np.eye(4), (3, 1, 1)), np.ones((3, 2, 2))
+        for wrong in (dict(W=W[0]), dict(q=q[:2]), dict(q=np.ones((3, 5))), dict(mu=np.ones(3)),
+                      dict(mu=None), dict(method="none"), dict(W=W[:, :3]), dict(d=1, mu=1),
+                      dict(d=3), dict(W=W.astype(complex)), dict(tol=[1]),
+                      dict(W=list(W), q=list(q)[:2]), dict(W=list(W), mu=[1, 2]),
+                      dict(W=[W[0], W[1], np.eye(3)], q=list(q))):
+            with self.assertRaises(ValueError, msg=wrong.keys()):
+                delassus.solve_many(**{**dict(W=W, q=q, mu=0.5), **wrong})
+        q[2, 0, 0] = np.nan
+        with self.assertRaises(delassus.InputError) as caught:
+            delassus.solve_many(W, q, 0.5)
+        self.assertEqual((caught.exception.argument, caught.exception.index), ("problem", 2))
+
+
+class Steps(unittest.TestCase):
+    def test_contacts_come_and_go(self):
+        rng = np.random.default_rng(2)
+        points = rng.uniform(size=60)
+        W = np.kron(np.exp(-6 * abs(points[:, None] - points)), np.eye(2)) + 1e-3 * np.eye(120)
+        solver = delassus.Solver(60, 2, tol=1e-10)
+        warm = cold = 0
+        names = np.arange(60) + 1000
+        for step in range(8):
+            here = np.sort(rng.permutation(60)[:50])
+            rows = (2 * here[:, None] + [0, 1]).reshape(-1)
+            q = np.column_stack([-1 + 0.1 * np.cos(7 * points[here] + 0.02 * step), np.full(50, 0.3)])
+            s = solver.solve(W[np.ix_(rows, rows)], q, 0.4, contacts=names[here])
+            one = delassus.solve(W[np.ix_(rows, rows)], q, 0.4, tol=1e-10)
+            self.assertTrue(s.solved)
+            np.testing.assert_allclose(s.r, one.r, atol=1e-6)
+            self.assertEqual(s.proof.proved, "reactions")
+            warm, cold = warm + s.iterations * (step > 0), cold + one.iterations * (step > 0)
+        self.assertLess(warm, cold)
+        # the same problem again, without names: nothing is left to do
+        q = np.tile([-1.0, 0.3], (60, 1))
+        solver.solve(W, q, 0.4)
+        again = solver.solve(W, q, 0.4)
+        self.assertTrue(again.solved and again.iterations <= 1)
+
+    def test_sparse(self):
+        line = sp.kron(sp.diags([2.5, -1.0, -1.0], [0, 1, -1], (30, 30)), sp.eye(2)).tocsc()
+        solver = delassus.Solver(30, 2, blocks=88)
+        for push in (-1.0, -1.1):
+            s = solver.solve(line, np.tile([push, 0.2], (30, 1)), 0.3)
+            self.assertTrue(s.solved)
+            np.testing.assert_allclose(s.r, delassus.solve(line, np.tile([push, 0.2], (30, 1)), 0.3).r, atol=1e-6)
+
+    def test_bad_input(self):
+        solver = delassus.Solver(2, 2)
+        W, q = np.eye(4), np.full((2, 2), -1.0)
+        first = solver.solve(W, q, 0.5, contacts=[7, 8])
+        for wrong in ([7], [7, 7], [0.5, 1.0], [[7, 8]]):
+            with self.assertRaises(ValueError):
+                solver.solve(W, q, 0.5, contacts=wrong)
+        with self.assertRaises(ValueError):
+            solver.solve(np.eye(6), np.full((3, 2), -1.0), 0.5)
+        for wrong in ((-1, 2), (2, 4), (2.5, 2)):
+            with self.assertRaises(ValueError):
+                delassus.Solver(*wrong)
+        with self.assertRaises(TypeError):
+            copy.copy(solver)
+        np.testing.assert_array_equal(solver.solve(W, q, 0.5, contacts=[8, 7]).r, first.r)
+
+
+class Lcp(unittest.TestCase):
+    def test_dense_and_sparse(self):
+        rng = np.random.default_rng(3)
+        for trial in range(20):
+            n = 60
+            M = sp.random(n, n, 0.05, random_state=trial, data_rvs=lambda k: rng.uniform(-1, 1, k)) + 5 * sp.eye(n)
+            q = rng.uniform(-1, 1, n)
+            s, dense = delassus.solve_lcp(M, q), delassus.solve_lcp(M.toarray(), q)
+            self.assertEqual((s.method, dense.method), ("principal", "lemke"))
+            self.assertTrue(s.solved and dense.solved)
+            np.testing.assert_allclose(s.z, dense.z, atol=1e-12)
+            np.testing.assert_allclose(s.y, M @ s.z + q, atol=1e-14)
+            self.assertLess(abs(np.minimum(s.z, s.y)).max(), 1e-12)
+            np.testing.assert_array_equal(delassus.solve_lcp(M, q, z0=s.z).z, s.z)
+            self.assertEqual(delassus.solve_lcp(M, q, method="lemke").method, "lemke")
+            np.testing.assert_allclose(delassus.solve_lcp(M.toarray(), q, method="principal").z, s.z, atol=1e-12)
+
+    def test_no_solution(self):
+        s = delassus.solve_lcp([[1.0, 0.0], [0.0, -1.0]], [0.0, -1.0])
+        self.assertFalse(s.solved)
+        self.assertEqual(s.status, delassus.DLS_NO_SOLUTION)
+        self.assertTrue((s.proof >= 0).all() and s.proof @ [0.0, -1.0] < 0)
+        self.assertFalse(delassus.solve_lcp(sp.csc_matrix((1, 1)), [-1.0]).solved)
+        self.assertTrue(delassus.solve_lcp(sp.csc_matrix((1, 1)), [1.0]).solved)
+
+    def test_progress_and_bad_input(self):
+        M, q = sp.diags([2.1, -1.0, -1.0], [0, 1, -1], (50, 50)), np.cos(np.arange(50.0))
+        seen = []
+        s = delassus.solve_lcp(M, q, progress=lambda p: seen.append(p) or True)
+        self.assertEqual(s.status, delassus.DLS_CANCELLED)
+        self.assertEqual(seen[0].method, "principal")
+        self.assertEqual(delassus.solve_lcp(M, q, max_iterations=1, tol=1e-14).iterations, 1)
+        for wrong in (dict(M=sp.eye(3)), dict(q=[1.0]), dict(method="newton"),
+                      dict(z0=[1.0]), dict(tol=-1.0), dict(M=[[1.0]]), dict(q=q * np.nan)):
+            with self.assertRaises(ValueError, msg=wrong.keys()):
+                delassus.solve_lcp(**{**dict(M=M, q=q), **wrong})
 
 
 class Owners(unittest.TestCase):

@@ -36,7 +36,7 @@ static dls_status solve_lcp(const dls_contact *p, int facets, double *r) {
   ck_assert_int_eq(facets ? dls_contact_to_facets_lcp(p, facets, NULL, M, n, b, NULL)
                           : dls_contact_to_lcp(p, NULL, M, n, b, NULL),
                    DLS_OK);
-  const dls_lcp lcp = {n, {n, n, n, M}, b};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, M}, .q = b};
   double ones[ROWS];
   dls_lemke *lemke;
   dls_lemke_settings settings;

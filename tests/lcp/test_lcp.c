@@ -104,7 +104,7 @@ START_TEST(bad_lcp) {
   double M[6] = {1, 2, 7, 3, 4, 7}, q[2] = {-1, -2}, z[2] = {0, 0}, y[2] = {5, 6};
   dls_lcp_certificate c = {.residual = 77};
   dls_error e;
-  const dls_lcp good = {2, {2, 2, 3, M}, q};
+  const dls_lcp good = {.n = 2, .M = {2, 2, 3, M}, .q = q};
   ck_assert_int_eq(dls_lcp_check(&good, &e), DLS_OK);
   ck_assert_int_eq(dls_lcp_check(NULL, &e), DLS_E_ARGUMENT);
   check_error(&e, DLS_E_ARGUMENT, "lcp", -1);

@@ -1386,7 +1386,7 @@ START_TEST(a_norm_beyond_numbers) {
     M[i + n * i] = -1;
     q[i] = -1.7e308;
   }
-  const dls_lcp lcp = {n, {n, n, n, M}, q};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, M}, .q = q};
   dls_lemke *lemke;
   dls_lemke_info info;
   ck_assert_int_eq(dls_lemke_create(&lemke, n, NULL, NULL), DLS_OK);

@@ -327,7 +327,7 @@ START_TEST(counts_and_one_entry) {
       double M[9] = {4, 0, 0, 0, 4, 0, 0, 0, 4}, q[3] = {-4, -4, -4}, z[3], y[3];
       M[i + 3 * j] += 2;
       q[i] -= 2;
-      const dls_lcp lcp = {3, {3, 3, 3, M}, q};
+      const dls_lcp lcp = {.n = 3, .M = {3, 3, 3, M}, .q = q};
       const dls_principal_info info = solve_principal(&lcp, NULL, z, y);
       ck_assert(info.status == DLS_OK && info.iterations == 1 && info.factorizations == 1);
       for (int l = 0; l < 3; l++)
@@ -337,7 +337,7 @@ START_TEST(counts_and_one_entry) {
   for (int single = 0; single < 2; single++)
     for (int k = 0; k < 2; k++) {
       double z[4] = {7, 7, 7, 7}, y[4] = {7, 7, 7, 7};
-      const dls_lcp lcp = {3, {3, 3, 3, one}, q[k]};
+      const dls_lcp lcp = {.n = 3, .M = {3, 3, 3, one}, .q = q[k]};
       dls_principal_settings settings;
       dls_principal_settings_init(&settings);
       if (single) settings.block_steps = 0;

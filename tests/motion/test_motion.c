@@ -322,6 +322,77 @@ START_TEST(test_refused_step) {
 }
 END_TEST
 
+/* A membrane, pressed, over a flat obstacle: contact at each node, without tangents. The path is
+ * solved on K, and create takes far less than the m^2 doubles of a W. Its limits can change there,
+ * too. At each malloc that fails create unwinds. */
+START_TEST(test_path_on_K) {
+  enum { side = 40, n = side * side, m = 2 * n };
+  static int p[n + 1], i[5 * n], id[n + 1], none[n + 1];
+  static double x[5 * n], one[n], gap[n], load[n];
+  int count = 0;
+  for (int j = 0; j < n; j++) {
+    const int at[5] = {j - side, j % side > 0 ? j - 1 : -1, j, j % side < side - 1 ? j + 1 : n,
+                       j + side};
+    for (int k = 0; k < 5; k++)
+      if (at[k] >= 0 && at[k] < n) {
+        i[count] = at[k];
+        x[count++] = at[k] == j ? 4 : -1;
+      }
+    p[j + 1] = count;
+    id[j] = j;
+    one[j] = 1;
+    gap[j] = 0.05;
+    load[j] = -1e-3;
+  }
+  id[n] = n;
+  const dls_motion_model model = {.d = 2,
+                                  .n = n,
+                                  .nodes = n,
+                                  .factorization = DLS_CHOLESKY,
+                                  .K = {n, n, p, i, x},
+                                  .HN = {n, n, id, id, one},
+                                  .HT = {n, n, none, i, x},
+                                  .gap = gap};
+  dls_motion_settings settings = moving_settings(DLS_MOTION_PATH, 1);
+  dls_motion *motion = NULL;
+  malloc_fails_at(0);
+  ck_assert_int_eq(dls_motion_create(&motion, &model, &settings, NULL), DLS_OK);
+  const size_t bytes = malloc_bytes();
+  const long calls = malloc_calls();
+  ck_assert(bytes < sizeof(double) * m * m / 4);
+  dls_limits limits = settings.limits;
+  limits.tol = -1;
+  dls_error error;
+  expect_error(dls_motion_set_limits(motion, &limits, &error), &error, DLS_E_ARGUMENT,
+               "dls_motion_set_limits", "tol", -1);
+  limits.tol = 1e-10;
+  ck_assert_int_eq(dls_motion_set_limits(motion, &limits, NULL), DLS_OK);
+  for (int step = 0; step < 3; step++) {
+    const dls_motion_state s = moving_step(motion, load, NULL, NULL);
+    dls_contact problem;
+    ck_assert_int_eq(dls_motion_get_problem(motion, &problem, NULL), DLS_OK);
+    ck_assert_int_eq(problem.nc, 0); /* it was on K */
+    int touches = 0;
+    for (int c = 0; c < n; c++) { /* 0 <= gap _|_ p_n >= 0, and no tangent */
+      ck_assert(s.gap[c] >= -1e-9 && s.p[2 * c] >= 0 && s.p[2 * c + 1] == 0);
+      ck_assert(fabs(s.gap[c]) < 1e-9 || s.p[2 * c] == 0);
+      touches += s.p[2 * c] > 0;
+    }
+    ck_assert(touches > 0 && touches < n);
+    for (int j = 0; j < n; j++)
+      load[j] *= 1.2;
+  }
+  dls_motion_destroy(motion);
+  for (long k = 1; k <= calls; k++) {
+    malloc_fails_at(k);
+    const dls_status status = dls_motion_create(&motion, &model, &settings, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !motion));
+    dls_motion_destroy(motion);
+  }
+}
+END_TEST
+
 /* start forgets the run: the next one has the same bits. */
 START_TEST(test_start_again) {
   const dls_motion_model model = chain_model(1, 1, 1e-3);
@@ -545,8 +616,9 @@ END_TEST
 
 int main(void) {
   return RUN("motion", NULL, NULL, ONCE(test_racket), ONCE(test_gap_form), ONCE(test_swing),
-             ONCE(test_damping), ONCE(test_path), ONCE(test_weighting), ONCE(test_puck),
-             ONCE(test_two_ways), ONCE(test_turning), EACH(test_refused_step, 0, 3),
-             ONCE(test_start_again), ONCE(test_units), ONCE(test_set_h), ONCE(test_settings),
-             ONCE(test_model), ONCE(test_arguments), ONCE(test_malloc));
+             ONCE(test_damping), ONCE(test_path), ONCE(test_path_on_K), ONCE(test_weighting),
+             ONCE(test_puck), ONCE(test_two_ways), ONCE(test_turning),
+             EACH(test_refused_step, 0, 3), ONCE(test_start_again), ONCE(test_units),
+             ONCE(test_set_h), ONCE(test_settings), ONCE(test_model), ONCE(test_arguments),
+             ONCE(test_malloc));
 }

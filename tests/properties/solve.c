@@ -148,7 +148,7 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
   settings.limits.tol = how->tol;
   settings.crash = how->crash;
   dls_lemke *lemke = NULL;
-  const dls_lcp lcp = {n, {n, n, n, l->M}, l->q};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, l->M}, .q = l->q};
   dls_lemke_info info;
   if (!status) status = dls_lemke_create(&lemke, n, &settings, NULL);
   if (!status) status = dls_lemke_solve(lemke, &lcp, l->z, NULL, &info, NULL);

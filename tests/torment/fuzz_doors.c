@@ -92,7 +92,7 @@ static void state_as_lcp(const dls_contact *problem, fuzz_bytes *b) {
                                 ? dls_contact_to_facets_lcp(problem, facets, scale, M, n, q, &error)
                                 : dls_contact_to_lcp(problem, scale, M, n, q, &error);
   if (status) return;
-  const dls_lcp lcp = {n, {n, n, n, M}, q};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, M}, .q = q};
   dls_lemke *lemke;
   dls_lcp_certificate seen;
   dls_certificate laws;

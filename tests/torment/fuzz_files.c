@@ -247,7 +247,7 @@ void fuzz_text(const unsigned char *data, size_t size) {
     int n;
     const double *M, *q;
     FUZZ_CHECK(dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK && n > 0);
-    const dls_lcp lcp = {n, {n, n, n, M}, q};
+    const dls_lcp lcp = {.n = n, .M = {n, n, n, M}, .q = q};
     FUZZ_CHECK(dls_lcp_check(&lcp, NULL) == DLS_OK);
   } else {
     FUZZ_CHECK(dls_text_contact(text, &contact, NULL) == DLS_OK);

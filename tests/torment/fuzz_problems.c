@@ -56,7 +56,7 @@ void fuzz_lcp(const unsigned char *data, size_t size) {
   take_matrix(&b, n, M);
   take_vector(&b, n, q);
   take_vector(&b, n, z);
-  const dls_lcp lcp = {n, {n, n, n, M}, q};
+  const dls_lcp lcp = {.n = n, .M = {n, n, n, M}, .q = q};
   dls_lcp_certificate seen;
   dls_lemke_settings settings;
   dls_principal_settings principal;

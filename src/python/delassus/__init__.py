@@ -8,14 +8,19 @@ from typing import List
 from ._library import VERSION as __version__
 from ._library import (Error, InputError, NoDerivativeError, OutOfMemoryError, SingularError,
                        StateError, UnsupportedError, constants)
+from .batch import Batch, solve_many
 from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
 from .derivative import Gradient, Moved
+from .lcp import LcpSolution, solve_lcp
 from .motion import Motion, NotCertified
 from .reduction import Reduction, reduce
+from .solver import Solver
 
-__all__ = ["Certificate", "Error", "Gradient", "InputError", "Motion", "Moved",
-           "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Progress", "Proof", "Reduction", "SingularError", "Solution", "Stage", "StateError",
-           "UnsupportedError", "__version__", "certify", "constants", "reduce", "solve"]
+__all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSolution", "Motion",
+           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Progress", "Proof",
+           "Reduction", "SingularError", "Solution", "Solver", "Stage", "StateError",
+           "UnsupportedError", "__version__", "certify", "constants", "reduce", "solve",
+           "solve_lcp", "solve_many"]
 
 
 def __getattr__(name: str) -> int:

@@ -90,10 +90,16 @@ _USED = {
     "dls_blocks": "d n p i x",
     "dls_bodies": "n count body H work",
     "dls_contact": "d nc W Wb q mu bodies weights",
+    "dls_lcp": "n M q Ms",
+    "dls_lcp_certificate": "residual floor negative_z negative_y complementarity worst",
+    "dls_lemke_settings": "limits size",
+    "dls_lemke_info": "status pivots certificate crash_rounds",
+    "dls_principal_settings": "limits size",
+    "dls_principal_info": "status iterations certificate",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
-    "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W progress "
-                              "progress_data",
+    "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W "
+                              "frictionless progress progress_data",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
                           "modes joints redundant",
     "dls_derive_data": "mu q W f g K",
@@ -206,6 +212,21 @@ _SIGNATURES = {
     "dls_derive_jvp": (c_int, "pppp"),
     "dls_derive_destroy": (None, "p"),
     "dls_solve": (c_int, "pppppp"),
+    "dls_solve_batch": (c_int, "ipppppp"),
+    "dls_solver_create": (c_int, "piipp"),
+    "dls_solver_set_limits": (c_int, "ppp"),
+    "dls_solver_map": (c_int, "pippp"),
+    "dls_solver_solve": (c_int, "pppppp"),
+    "dls_solver_destroy": (None, "p"),
+    "dls_lemke_settings_init": (None, "p"),
+    "dls_lemke_create": (c_int, "pipp"),
+    "dls_lemke_solve": (c_int, "pppppp"),
+    "dls_lemke_farkas": (c_int, "ppp"),
+    "dls_lemke_destroy": (None, "p"),
+    "dls_principal_settings_init": (None, "p"),
+    "dls_principal_create": (c_int, "pipp"),
+    "dls_principal_solve": (c_int, "pppppp"),
+    "dls_principal_destroy": (None, "p"),
     "dls_reduction_create_either": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),
     "dls_reduction_get_info": (c_int, "ppp"),
@@ -455,6 +476,16 @@ def vector(name: str, x: Any, size: int, width: int = 1) -> Vector:
     if a.ndim > 1 and a.shape[-1] != width and max(a.shape) != size:
         raise ValueError(f"{name} is {a.shape}, needs rows of {width}")
     return np.ascontiguousarray(a).reshape(-1)
+
+
+def gaps(name: str, g: Any, nodes: int, d: int, width: int) -> Vector:
+    """Returns d values for each of the nodes in rows of `width`, the others 0."""
+    a = vector(name, g, nodes * d, d)
+    if d < width:
+        rows = np.zeros((nodes, width))
+        rows[:, :d] = a.reshape(nodes, d)
+        a = rows.reshape(-1)
+    return a
 
 
 def set_fields(struct: Any, values: Mapping[str, Any]) -> None:

@@ -122,7 +122,8 @@ class Solution:
     """
 
     def __init__(self, problem: Any, info: Any, status: int, r: Vector, u: Vector,
-                 history: npt.NDArray[Any] | None, body: Any = None) -> None:
+                 history: npt.NDArray[Any] | None, body: Any = None,
+                 states: npt.NDArray[np.str_] | None = None) -> None:
         d, nc = problem.d, problem.nc
         self.status = status
         self.words: str = lib.dls_status_text(status).decode()
@@ -150,6 +151,9 @@ class Solution:
         self._derivatives: Dict[int, Derivative] = {}
         self._of_body: Callable[[Solution, int, Derivative | None], Derivative] | None = None
         state = (c_int * max(nc, 1))()
+        if states is not None:
+            self.states = states
+            return
         if nc and body is not None:
             call("dls_reduction_states", *body[:2], address(r), address(u), state)
         elif nc:
@@ -347,16 +351,11 @@ def _text(name: str, value: Any) -> Any:
     return ctypes.create_string_buffer(value.encode())
 
 
-def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = None,
-                  max_iterations: int | None = None, cpu_seconds: float | None = None,
-                  r0: Array | None = None, acceleration: str | None = None,
-                  facets: int | None = None, positive_definite: int | None = None,
-                  history: bool = False, progress: Callable[[Progress], object] | None = None,
-                  threads: int | None = None, plan: str | None = None,
-                  without: str | None = None, timed: bool = False, forces: str = "any",
-                  body: Any = None) -> Solution:
-    """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
-    dls_reduction_solve is called instead and fills x."""
+def solver_settings(method: str = "auto", acceleration: str | None = None,
+                    facets: int | None = None, positive_definite: int | None = None,
+                    plan: str | None = None, without: str | None = None,
+                    forces: str = "any") -> tuple[Any, list[Any]]:
+    """Returns a dls_solver_settings with default limits, and the strings that it views."""
     settings = structs["dls_solver_settings"]()
     lib.dls_solver_settings_init(byref(settings))
     settings.method = find_method(method)
@@ -372,6 +371,21 @@ def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = Non
     words = [_text(*one) if one[1] is not None else None
              for one in (("plan", plan), ("without", without))]
     settings.plan, settings.without = [word and ctypes.addressof(word) for word in words]
+    return settings, words
+
+
+def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = None,
+                  max_iterations: int | None = None, cpu_seconds: float | None = None,
+                  r0: Array | None = None, acceleration: str | None = None,
+                  facets: int | None = None, positive_definite: int | None = None,
+                  history: bool = False, progress: Callable[[Progress], object] | None = None,
+                  threads: int | None = None, plan: str | None = None,
+                  without: str | None = None, timed: bool = False, forces: str = "any",
+                  body: Any = None) -> Solution:
+    """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
+    dls_reduction_solve is called instead and fills x."""
+    settings, words = solver_settings(method, acceleration, facets, positive_definite, plan,
+                                      without, forces)
     if timed and cpu_seconds is None:
         cpu_seconds = _NO_LIMIT  # a limit asks for the clock
     watch = Watch(history, progress)

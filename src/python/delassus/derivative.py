@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, Tuple, Union
 import numpy as np
 import scipy.sparse as sp
 
-from ._library import (Array, Matrix, Owner, Vector, address, call, columns, lib, reals, structs,
-                       vector)
+from ._library import (Array, Matrix, Owner, Vector, address, call, columns, gaps, lib, reals,
+                       structs, vector)
 
 # a change of W: a matrix, or of H of rigid bodies
 Change = Union[Matrix, Array]
@@ -96,8 +96,8 @@ class Derivative(Owner):
         if q is not None:
             return Gradient(mu, q, None, None, q.reshape(-1), self._r.reshape(-1),
                             sparse if H is None else H)
-        assert f is not None and self._x is not None
-        return Gradient(mu, None, f, g, -f, self._x, sparse)
+        assert f is not None and g is not None and self._x is not None
+        return Gradient(mu, None, f, g[:, :d], -f, self._x, sparse)
 
     def jvp(self, q: Any, mu: Any, W: Any, f: Any, g: Any, K: Any) -> Moved:
         d, nc, m, x = self._d, self._nc, self._d * self._nc, self._x
@@ -115,7 +115,7 @@ class Derivative(Owner):
             assert x is not None
             df = (0 if df is None else df) - _times("K", K, x)
         dmu = self._given("mu", mu, nc)
-        dg = None if g is None else vector("g", g, int(np.prod(self._nodes)), d)
+        dg = None if g is None else gaps("g", g, self._nodes[0], d, self._nodes[1])
         data = structs["dls_derive_data"](mu=address(dmu), q=address(dq), W=address(H),
                                           f=address(df), g=address(dg))
         moved = Moved(np.zeros((nc, d)), np.zeros((nc, d)), None if x is None else np.zeros(n))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ._library import (Array, Matrix, Owner, Vector, address, call, columns, constants, lib, number, read, set_fields,
                        sparse, structs, vector)
 from .contact import STATES, Solution, Watch, find_method, set_limits
-from .reduction import find_factorization, operators
+from .reduction import check_tangents, find_factorization, operators
 
 _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DLS_MOTION_PATH"}
 
@@ -42,6 +42,7 @@ class Motion(Owner):
             None if A is None else columns(name, A).copy()
             for name, A in (("M", M), ("C", C), ("K", K), ("P", P), ("HN", HN), ("HT", HT))]
         self.d, N, T = operators(copies[4], copies[5], d)
+        self._has_tangents = HT is not None
         self.n: int = N.shape[0]
         if factorization is None:
             given = [A for A in copies[:3] if A is not None]
@@ -83,6 +84,7 @@ class Motion(Owner):
         """Takes a step under loads f (n), velocities y of the obstacle (nodes x d), friction mu."""
         f = None if f is None else vector("f", f, self.n)
         y = None if y is None else vector("y", y, self.d * self._nodes, self.d)
+        check_tangents(self._has_tangents or None, mu)
         mu = None if mu is None else vector("mu", mu, self._candidates)
         info, problem = structs["dls_info"](), structs["dls_contact"]()
         status = self._watch.call("dls_motion_step", self._held, address(f), address(y),

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ._library import (Array, Callback, Error, Matrix, Owner, Vector, address, call, columns, constants, dense, entries,
-                       integers, lib, read, reals, set_fields, sparse, structs, vector)
+                       gaps, integers, lib, read, reals, set_fields, sparse, structs, vector)
 from .contact import Progress, Solution, Watch, solve_problem
 from .derivative import Derivative
 
@@ -42,17 +42,23 @@ def find_factorization(name: str | None, K: Any) -> int:
 
 
 def operators(HN: Any, HT: Any, d: int | None = None) -> tuple[int, Any, Any]:
-    """Returns d, HN and HT as compressed columns; without HT there is no tangent: d = 2, zeros."""
+    """Returns d, HN and HT as compressed columns; without HT there is no tangent: d = 2, no entry."""
     if d not in (None, 2, 3):
         raise ValueError(f"d is {d!r}, must be 2 or 3")
     HN = columns("HN", HN)
     if HT is None:
-        HT = np.zeros((HN.shape[0], ((d or 2) - 1) * HN.shape[1]))
+        HT = sp.csc_matrix((HN.shape[0], ((d or 2) - 1) * HN.shape[1]))
     HT = columns("HT", HT)
     found = HT.shape[1] // HN.shape[1] + 1 if HN.shape[1] else d or 2
     if found not in (2, 3) or HT.shape != (HN.shape[0], (found - 1) * HN.shape[1]):
         raise ValueError(f"HT is {HT.shape}, HN {HN.shape}: HT has d - 1 columns for one of HN")
     return found, HN, HT
+
+
+def check_tangents(HT: Any, mu: Any) -> None:
+    """Refuses friction without tangents."""
+    if HT is None and mu is not None and np.any(reals("mu", mu) != 0):
+        raise ValueError("HT is missing: friction mu needs the tangents")
 
 
 class _Host:
@@ -78,7 +84,7 @@ class _Host:
 class Reduction(Owner):
     """A factorised K with W, or the problem on K itself; made by reduce().
 
-    d, n, m, candidates   sizes: m = d candidates rows of W
+    d, n, m, candidates   sizes: m = d candidates rows of W; d = 1 without HT: normals alone
     W, q                  of the contact problem, read-only views of the library's arrays; not on K
     on                    "W" or "K": where solve() works
     info                  memory, condition, rigid-body modes
@@ -103,19 +109,22 @@ class Reduction(Owner):
         modes = None if modes is None else np.array(reals("modes", modes), order="F")
         if modes is not None and (modes.ndim != 2 or modes.shape[0] != HN.shape[0]):
             raise ValueError(f"modes is {modes.shape}, needs {HN.shape[0]} rows")
+        self._has_tangents = HT is not None
         self._options = (P, mu, active, modes, factorization, flexibility, d)
         model, kept, solve = self._model(K, HN, HT)
         create = structs["dls_reduction_settings"]()
         lib.dls_reduction_settings_init(byref(create))
         create.allow_indefinite = factorization is None
         set_fields(create, settings)
+        create.frictionless = not self._has_tangents
         self._watch.set(create)
         self._host.solve = solve
         self._call("dls_reduction_create_either", byref(self._held), byref(model), byref(create))
         self._matrix = kept[0]  # for the pattern of dL/dK; the library has copied it
         self._loaded = self._updated = 0  # counts loads and updates
         # the sizes that the library holds: no update changes them
-        self.d: int = model.d
+        self._d: int = model.d  # of g
+        self.d: int = model.d if self._has_tangents else 1
         self.n: int = model.n
         self._nodes = nodes
         self.candidates: int = candidates if active is None else int(np.count_nonzero(active))
@@ -124,6 +133,10 @@ class Reduction(Owner):
     def _model(self, K: Any, HN: Any, HT: Any) -> tuple[Any, Any, Any]:
         """Returns a dls_model, what it views, and K where that is a function; changes nothing."""
         P, mu, active, modes, factorization, flexibility, d = self._options
+        if (HT is not None) != self._has_tangents:
+            raise ValueError("HT is missing" if HT is None else
+                             "HT is given, but the reduction was made without it")
+        check_tangents(HT, mu)
         d, HN, HT = operators(HN, HT, d)
         n, nodes = HN.shape
         model = structs["dls_model"](d=d, n=n, nodes=nodes, HN=sparse(HN), HT=sparse(HT),
@@ -182,7 +195,8 @@ class Reduction(Owner):
         self._matrix = kept[0]
 
     def load(self, f: Array | None = None, g: Array | None = None) -> None:
-        """Sets loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
+        """Sets loads f (n) and gaps g (nodes x d; without HT one for each node): q := H^T K^-1 f +
+        g."""
         f, g = self._loads(f, g)
         self._loaded += 1
         self._call("dls_reduction_load", self._held, address(f), address(g))
@@ -195,7 +209,7 @@ class Reduction(Owner):
 
     def _loads(self, f: Any, g: Any) -> tuple[Vector | None, Vector | None]:
         return (None if f is None else vector("f", f, self.n),
-                None if g is None else vector("g", g, self.d * self._nodes, self.d))
+                None if g is None else gaps("g", g, self._nodes, self.d, self._d))
 
     def solve(self, mu: Array | None = None, f: Array | None = None, g: Array | None = None, *,
               method: str = "auto", tol: float | None = None, max_iterations: int | None = None,
@@ -207,6 +221,7 @@ class Reduction(Owner):
               timed: bool = False, forces: str = "any") -> Solution:
         """Loads f and g if one is given, and solves for r and x; options as in solve(). The
         certificate is that of the body (dls_reduction_solve), without springs of held modes."""
+        check_tangents(self._has_tangents or None, mu)
         if f is not None or g is not None:
             self.load(f, g)
         problem, mu = self._contact(mu) if self.on == "W" else self._sizes(mu)
@@ -233,7 +248,7 @@ class Reduction(Owner):
             return Derivative(
                 "dls_derive_create_body", self._held, address(mu), address(of.r), address(of.x),
                 side, d=self.d, nc=self.candidates, r=of.r, x=of.x.copy(), matrix=self._matrix,
-                nodes=(self._nodes, self.d), kept=(self, mu))
+                nodes=(self._nodes, self._d), kept=(self, mu))
 
         solution._of_body = derivative
         return solution
@@ -277,9 +292,9 @@ class Reduction(Owner):
 
     def nodal(self, r: Array) -> Vector:
         """Returns P r, nodes x d: the nodal reactions of weighted r."""
-        r, R = vector("r", r, self.m, self.d), np.zeros((self._nodes, self.d))
+        r, R = vector("r", r, self.m, self.d), np.zeros((self._nodes, self._d))
         self._call("dls_reduction_nodal", self._held, address(r), address(R))
-        return R
+        return R[:, :self.d]
 
     def balance(self, r: Array) -> float:
         """Moves the springs of held rigid-body modes so that they carry less; returns the
@@ -304,8 +319,8 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
 
     K       n x n, numpy or scipy.sparse; or a function that returns K^-1 B for B (n x k), such as
             scipy.sparse.linalg.splu(K).solve; with flexibility=True K^-1, dense
-    HN, HT  n x nodes and n x (d-1) nodes: normal and tangents of each contact node; HT None: d = 2
-            without friction
+    HN, HT  n x nodes and n x (d-1) nodes: normal and tangents of each contact node; HT None: no
+            friction, d = 1, r and g have one entry for each contact
     P       weighting, nodes x candidates
     mu      friction of each contact; the tangents of contacts with 0 are left out
     active  one for each contact: 0 leaves it out
