@@ -352,6 +352,14 @@ double dlsi_draw(uint64_t x);
 /* Returns the number in [0, 1) drawn by entry i >= 0 of sequence k >= 0. */
 double dlsi_draw_entry(int k, int i);
 
+static inline int dlsi_is_digit(int c) {
+  return c >= '0' && c <= '9';
+}
+
+/* Reads the decimal digits at *text, a whole number from `least` >= 0 to `most`, and moves *text
+ * past them. Returns 0 if no such number stands there; takes no sign and no blank. */
+int dlsi_read_whole(const char **text, int least, int most, int *value);
+
 /* Returns 1 if the plain sum of squares `sum` has neither over- nor underflown, so that sqrt(sum)
  * is the norm. */
 static inline int dlsi_is_plain(double sum) {

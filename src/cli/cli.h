@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/base.h"
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "delassus/forming.h"
@@ -339,6 +340,12 @@ const char *plural(long long count);
 
 /* Refuses a value that is `what`; of a number with a decimal comma, says how to write it. */
 int refuse_number(const char *option, const char *text, const char *what);
+
+/* Reads the finite number at *text and moves *text past it; returns 0 if none stands there. */
+int read_real(const char **text, double *value);
+
+/* Reads N, with *ny = 0, or NXxNY, whole numbers >= 1; returns 0 for any other text. */
+int read_mesh(const char *text, int *nx, int *ny);
 
 /* Reads the value of an option, finite and >= 0. */
 taken parse_number(const char *option, const char *text, double *value);

@@ -302,9 +302,9 @@ static int map_methods(int count, char **names, map_options *o) {
 }
 
 static taken take_range(const char *text, map_options *o) {
-  char more;
-  if (sscanf(text, "%lf:%lf%c", &o->from, &o->to, &more) == 2 && o->from >= 0 && o->to > o->from &&
-      isfinite(o->to))
+  const char *at = text;
+  if (read_real(&at, &o->from) && *at++ == ':' && read_real(&at, &o->to) && !*at && o->from >= 0 &&
+      o->to > o->from)
     return OPTION_TAKEN;
   return (taken)refuse("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
 }

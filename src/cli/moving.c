@@ -56,11 +56,7 @@ static const char *const law_names[] = {"velocity", "gap", "path"}; /* from 1 */
 static const char *const mass_names[] = {"consistent", "lumped"};   /* from 1 */
 
 static taken moving_mesh(const char *text, dls_moving_settings *s) {
-  char more;
-  s->ny = 0;
-  if ((sscanf(text, "%d%c", &s->nx, &more) == 1 && s->nx > 0) ||
-      (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0))
-    return OPTION_TAKEN;
+  if (read_mesh(text, &s->nx, &s->ny)) return OPTION_TAKEN;
   return (taken)refuse("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
 }
 

@@ -160,7 +160,8 @@ END_TEST
 
 /* Three steps of a load, each from the answer before; r: 3 x 4, of all of them. Returns the last
  * status. */
-static dls_status follow_load(const dls_solver_settings *s, double *u, dls_info *info, double *all) {
+static dls_status follow_load(const dls_solver_settings *s, double *u, dls_info *info,
+                              double *all) {
   double W[16] = {2, .5, .3, 0, .5, 1, 0, .2, .3, 0, 1.5, .4, 0, .2, .4, 1};
   double q[4] = {-1, .3, -.5, -.2}, mu[2] = {.4, .6};
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
@@ -500,9 +501,9 @@ END_TEST
 int main(void) {
   return RUN("plans", NULL, NULL, ONCE(steps_have_names_and_reasons), ONCE(words),
              ONCE(a_plan_is_followed), ONCE(a_plan_is_followed_once), ONCE(forecasts_in_a_plan),
-             ONCE(outputs_that_nobody_wants), ONCE(a_plan_less_a_step), ONCE(without_a_step), ONCE(wrong_words),
-             ONCE(words_are_read_once), ONCE(not_applicable), ONCE(limits_of_the_caller),
-             ONCE(proofs), ONCE(seconds_of_each_step), EACH(names_of_what_ran, 0, 4),
-             EACH(last_digits_after_a_short_path, 0, 4), ONCE(no_last_digits_far_from_an_answer),
-             ONCE(batches), ONCE(in_words));
+             ONCE(outputs_that_nobody_wants), ONCE(a_plan_less_a_step), ONCE(without_a_step),
+             ONCE(wrong_words), ONCE(words_are_read_once), ONCE(not_applicable),
+             ONCE(limits_of_the_caller), ONCE(proofs), ONCE(seconds_of_each_step),
+             EACH(names_of_what_ran, 0, 4), EACH(last_digits_after_a_short_path, 0, 4),
+             ONCE(no_last_digits_far_from_an_answer), ONCE(batches), ONCE(in_words));
 }
