@@ -100,7 +100,7 @@ static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  if (m == 0) return; /* q may be NULL, and bodies may have no scratch */
+  if (m == 0) return; /* q may be NULL */
   if (problem->bodies.H) {
     dlsi_bodies_multiply(problem, order, problem->q, r, u, a);
     return;

@@ -1,5 +1,5 @@
-/* number.c: computes norms that keep NaN, finds values that are not finite, reads whole numbers, and
- * draws numbers. */
+/* number.c: computes norms that keep NaN, finds values that are not finite, reads whole
+ * numbers, and draws numbers. */
 #include <float.h>
 #include <math.h>
 #include <string.h>

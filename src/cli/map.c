@@ -270,7 +270,7 @@ static int map_methods(int count, char **names, map_options *o) {
   /* the files complain by themselves */
   if (!status && (o->out = take_folder(o->out, "map", count > 1 ? NULL : at)) &&
       (m->csv =
-           open_table(o->out, "map.csv", "row,mu,method,verdict,cpu_s,iterations,residual\n"))) {
+           open_growing(o->out, "map.csv", "row,mu,method,verdict,cpu_s,iterations,residual\n"))) {
     m->picture.directory = o->out;
     if (count > 1) {
       status = map_problems(m, count, names, o, &at, &error);
