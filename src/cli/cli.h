@@ -284,7 +284,8 @@ typedef enum text_kind {
 
 /* Returns the text as it has to stand there, for use within one expression:
  * fprintf(script, "set title %s\n", quote(AS_GNUPLOT, title).text). In files U+FFFD stands for each
- * byte that is no UTF-8 and, but in JSON, for each mark that changes the direction of a line. A text that is too long ends early, its quotes closed. */
+ * byte that is no UTF-8 and, but in JSON, for each mark that changes the direction of a line. A
+ * text that is too long ends early, its quotes closed. */
 enum { QUOTED_ROOM = 4096 };
 typedef struct quoted {
   char text[QUOTED_ROOM];
@@ -548,7 +549,7 @@ int close_file(FILE *file, const char *name);
  * one that was not written; it and those after it keep the rows of growing tables alone. */
 int close_files(void);
 
-/* Gives up the files that are still open, but the rows of growing tables: those become the files. */
+/* Gives up the files that are still open, but the rows of growing tables, which become files. */
 void keep_tables(void);
 
 /* Gives up the files that are still open; old ones stay. */

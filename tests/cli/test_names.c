@@ -332,12 +332,13 @@ END_TEST
 /* A spreadsheet takes no name for a formula; a page shows no mark that turns a line. */
 START_TEST(names_that_compute_or_turn) {
   static const char *const signs[] = {"=", "+", "@"};
+  make_problem("plain.txt");
   for (size_t k = 0; k < sizeof signs / sizeof *signs; k++) {
     char name[40], cell[40];
     (void)snprintf(name, sizeof name, "%scmd|x.txt", signs[k]);
     (void)snprintf(cell, sizeof cell, "\n'%scmd|x", signs[k]);
     make_problem(name);
-    const char *const map[] = {"map", "-q", "--rows", "2", "--out=f", name, NULL};
+    const char *const map[] = {"map", "-q", "--rows", "2", "--out=f", name, "plain.txt", NULL};
     ck_assert_int_eq(run_there(map), 0);
     ck_assert(read_there("f/map.csv"));
     ck_assert_msg(strstr(text, cell) != NULL, "%s", text);
@@ -348,7 +349,7 @@ START_TEST(names_that_compute_or_turn) {
   const char *const titled[] = {"report", "-q", "--quick", "--out=h", "turned.txt", NULL};
   ck_assert_int_eq(run_there(report), 0);
   ck_assert_int_eq(run_there(titled), 0);
-  char command[200];
+  char command[300];
   (void)snprintf(command, sizeof command,
                  "ls %s/h/*.html >/dev/null && ! cat %s/h/*.html | LC_ALL=C grep -q "
                  "$(printf '\\342\\200\\256')",
