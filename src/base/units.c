@@ -54,7 +54,10 @@ static int power_of_W(const dls_contact *problem, int known) {
   const int d = problem->d;
   if (problem->bodies.H) {
     const size_t size = (size_t)problem->bodies.n * (size_t)d;
-    const double H = dlsi_max_abs(problem->bodies.H, 2 * size * (size_t)problem->nc);
+    double H = 0;
+    for (size_t k = 0; k < 2 * (size_t)problem->nc; k++)
+      if (problem->bodies.body[k] >= 0)
+        H = fmax(H, dlsi_max_abs(problem->bodies.H + k * size, size));
     return H > 0 ? 2 * ilogb(H) : known;
   }
   double largest = 0, block[9] = {0};
@@ -95,7 +98,11 @@ static int copy_values(dlsi_units *units, const dls_contact *given, size_t value
   dls_contact *copy = &units->problem;
   *copy = *given;
   if (given->bodies.H) {
-    dlsi_shift(values, -units->W / 2, given->bodies.H, W);
+    const size_t size = (size_t)given->bodies.n * d;
+    memset(W, 0, values * sizeof *W); /* H of a fixed body is not read */
+    for (size_t k = 0; k < 2 * nc; k++)
+      if (given->bodies.body[k] >= 0)
+        dlsi_shift(size, -units->W / 2, given->bodies.H + k * size, W + k * size);
     copy->bodies.H = W;
   } else if (given->Wb.x) {
     dlsi_shift(values, -units->W, given->Wb.x, W);

@@ -337,7 +337,7 @@ dls_status dlsi_contact_prove(const dls_contact *problem, const double *r, dls_p
   return status;
 }
 
-/* Takes the proof and the improved r (m, or NULL) back to the units of the caller. Nothing is proved
+/* Takes the proof and the improved r (m, or NULL) back to the caller's units. Nothing is proved
  * of an r that these units round. */
 static void prove_leave_units(dlsi_units *units, size_t m, dls_proof *proof, double *improved) {
   const int power = units->q - units->W;
@@ -360,6 +360,7 @@ dls_status dls_contact_prove(const dls_contact *problem, const double *r, dls_pr
   const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
   if (!status) status = dlsi_take_answer(&units, &problem, &r, error);
   if (!status) status = dlsi_form_blocks(&formed, &problem, error);
+  if (!improved) improved = units.shown; /* NULL for no copy */
   if (!status) status = dlsi_contact_prove(problem, r, proof, improved, error);
   if (!status) prove_leave_units(&units, m, proof, improved);
   dlsi_formed_free(&formed);
