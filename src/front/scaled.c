@@ -1,8 +1,8 @@
 /*
  * scaled.c: a solve in units of its own (base/units.c), between the caller's problem and the
- * method. The caller sees r, u, the certificate and the r of each progress in the units of the problem. An
- * answer that those cannot hold, because it leaves the range of numbers or loses bits there, is
- * measured again as it is returned.
+ * method. The caller sees r, u, the certificate and the r of each progress in the units of the
+ * problem. An answer that those cannot hold, because it leaves the range of numbers or loses bits
+ * there, is measured again as it is returned.
  */
 #include <string.h>
 

@@ -59,7 +59,7 @@ static void ask(const dls_contact *p, dls_method method, int least, int a, int b
   shift_certificate(&s->info.certificate, -a, -b);
 }
 
-static void expect_same(const said *one, const said *two, int m, const char *what) {
+static void same_in_units(const said *one, const said *two, int m, const char *what) {
   const dls_certificate *c = &one->certificate, *d = &two->certificate;
   const dls_proof *p = &one->proof, *o = &two->proof;
   ck_assert_msg(one->status == two->status && one->info.unique == two->info.unique &&
@@ -105,13 +105,13 @@ static void one_problem(const model *a, dls_method method, int least, const char
     shift(b.W, m * m, powers[k][0] - powers[k][1]);
     shift(b.q, m, powers[k][0]);
     ask(&b.p, method, least, powers[k][0], powers[k][1], &two);
-    expect_same(&one, &two, m, what);
+    same_in_units(&one, &two, m, what);
   }
   const dls_contact blocks = by_blocks(a, &B);
   ask(&blocks, method, least, 0, 0, &one);
   const dls_contact other = by_blocks(&b, &B);
   ask(&other, method, least, powers[power_count - 1][0], powers[power_count - 1][1], &two);
-  expect_same(&one, &two, m, what);
+  same_in_units(&one, &two, m, what);
 }
 
 START_TEST(any_units) {
@@ -138,7 +138,7 @@ START_TEST(bodies_in_any_units) {
   shift(q, m, -70);
   p.q = q;
   ask(&p, DLS_AUTO, 0, -70, 330, &two);
-  expect_same(&one, &two, m, "bodies");
+  same_in_units(&one, &two, m, "bodies");
 }
 END_TEST
 
