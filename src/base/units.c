@@ -8,8 +8,8 @@
  * there fourth powers of W, q and r = q / W, and products of two, are far from both ends. Such a
  * problem costs a look at q and at the diagonal of W (of bodies: at H).
  *
- * What can fail: a copy needs memory; entries 2^1000 apart are not all in range in any unit, and the
- * problem is not copied then.
+ * What can fail: a copy needs memory; entries 2^1000 apart are not all in range in any unit, and
+ * the problem is not copied then.
  */
 #include <math.h>
 #include <stdlib.h>
