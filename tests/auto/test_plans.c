@@ -183,18 +183,18 @@ static dls_status follow_load(const dls_solver_settings *s, double *u, dls_info 
 /* Every word of a plan with every step left out, warm and cold: a NULL for u or info changes no
  * bit of r. */
 START_TEST(outputs_that_nobody_wants) {
-  enum { words = DLS_STEP_ON_K + 1, more = 4 };
-  const char *plans[words + more] = {"homotopy,scatter", "sweeps:1,scatter",
+  enum { names = DLS_STEP_ON_K + 1, more = 4 };
+  const char *plans[names + more] = {"homotopy,scatter", "sweeps:1,scatter",
                                      "newton:1,splitting,newton"};
-  const char *left[words + more] = {
+  const char *left[names + more] = {
       "newton,sweeps", "newton,anderson,momentum,sweeps,convex",
       "newton,lemke,homotopy,splitting,augmented-lagrangian,anderson,momentum,sweeps,convex,"
       "cold-splitting,near-splitting"};
-  for (int k = 0; k < words; k++)
+  for (int k = 0; k < names; k++)
     if (k != DLS_STEP_INTERIOR && k != DLS_STEP_ON_K)
       plans[more + k] = left[more + k] = dls_step_name((dls_step)k);
-  for (int a = 0; a < words + more; a++)
-    for (int b = 0; b < words + more; b++)
+  for (int a = 0; a < names + more; a++)
+    for (int b = 0; b < names + more; b++)
       for (int warm = 0; warm < 2; warm++) {
         double u[4], all[2][12];
         dls_info info;
