@@ -39,17 +39,25 @@ static double least_eigenvalue(int d, const double *W) {
   return least_of_two(W[0], along, hypot(W[1] + W[3], W[2] + W[6]) / 2);
 }
 
-/* Sets *all and *tangents to the norm of a block, and of its rows of tangents. */
-static void measure_block(int d, const double *block, size_t ld, double *all, double *tangents) {
-  double n = 0, t = 0;
-  for (int j = 0; j < d; j++) {
-    const double *x = block + (size_t)j * ld;
-    n += x[0] * x[0];
-    for (int i = 1; i < d; i++)
-      t += x[i] * x[i];
-  }
-  *all = sqrt(n + t);
-  *tangents = sqrt(t);
+/* Sets *all and *tangents to the norm of a block, and of its rows of tangents, times `scale`: first
+ * the unit, then the squares. */
+static void measure_block(int d, const double *block, size_t ld, double scale, double *all,
+                          double *tangents) {
+  double x[9], t[6];
+  size_t n = 0, k = 0;
+  for (int j = 0; j < d; j++)
+    for (int i = 0; i < d; i++) {
+      x[n] = scale * block[(size_t)i + (size_t)j * ld];
+      if (i) t[k++] = x[n];
+      n++;
+    }
+  *all = dlsi_norm2(x, n);
+  *tangents = dlsi_norm2(t, k);
+}
+
+/* Returns the geometric mean, to the same bits in any unit where the product is in range. */
+static double mean_weight(double a, double b) {
+  return dlsi_is_plain(a * b) ? sqrt(a * b) : sqrt(a) * sqrt(b);
 }
 
 /* (UN3). row: scratch, nc. Ends with the first row that is not dominant. */
@@ -58,8 +66,8 @@ static int is_dominant(const dls_contact *problem, const double *w, double *row)
   double all, tangents, own[9];
   for (int c = 0; c < problem->nc; c++) {
     dlsi_contact_diagonal(problem, c, own);
-    measure_block(d, own, (size_t)d, &all, &tangents);
-    row[c] = (least_eigenvalue(d, own) - problem->mu[c] * tangents) / w[c];
+    measure_block(d, own, (size_t)d, 1 / w[c], &all, &tangents);
+    row[c] = least_eigenvalue(d, own) / w[c] - problem->mu[c] * tangents;
     if (!(row[c] > rounding)) return 0;
   }
   for (int c = 0; c < problem->nc; c++) {
@@ -67,9 +75,9 @@ static int is_dominant(const dls_contact *problem, const double *w, double *row)
     for (size_t k = W.begin; k < W.end; k++) {
       const size_t i = dlsi_row(&W, k);
       if (i == (size_t)c) continue;
-      measure_block(d, W.x + k * W.step, W.ld, &all, &tangents);
-      if (!(all > 0)) continue;
-      const double half = (all + problem->mu[i] * tangents) / sqrt(w[i] * w[c]) / 2;
+      measure_block(d, W.x + k * W.step, W.ld, 1 / mean_weight(w[i], w[c]), &all, &tangents);
+      if (all == 0) continue;
+      const double half = (all + problem->mu[i] * tangents) / 2;
       row[i] -= half;
       row[c] -= half;
       if (!(row[i] > rounding && row[c] > rounding)) return 0;
@@ -86,7 +94,7 @@ static int is_definite(const dls_contact *problem, const double *w, double *J) {
     const dlsi_block_column W = dlsi_contact_column(problem, c);
     for (size_t k = W.begin; k < W.end; k++) {
       const size_t i = dlsi_row(&W, k);
-      const double half = W.x[k * W.step] / sqrt(w[i] * w[c]) / 2;
+      const double half = W.x[k * W.step] / mean_weight(w[i], w[c]) / 2;
       J[i + c * n] += half;
       J[c + i * n] += half;
     }

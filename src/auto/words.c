@@ -4,8 +4,6 @@
  *   plan     word[:iterations] {, word[:iterations]}
  *   without  word {, word}
  */
-#include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "auto/auto.h"
@@ -126,13 +124,10 @@ static dls_status read_word(const char **at, const char *argument, dls_step *whi
   if (!find_step(word, length, which)) return refuse_word(argument, word, (int)length, error);
   if (most) *most = 0;
   if (*end == ':') {
-    char *after = NULL;
-    const long count = isdigit((unsigned char)end[1]) ? strtol(end + 1, &after, 10) : 0;
-    if (!most || count < 1 || count > most_iterations)
+    end++;
+    if (!most || !dlsi_read_whole(&end, 1, most_iterations, most))
       return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, 0, "'%.40s': %s", word,
                        most ? "iterations are a whole number >= 1" : "takes no iterations");
-    *most = (int)count;
-    end = after;
   }
   end += strspn(end, " ");
   if (*end && *end != ',')

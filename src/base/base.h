@@ -352,6 +352,14 @@ double dlsi_draw(uint64_t x);
 /* Returns the number in [0, 1) drawn by entry i >= 0 of sequence k >= 0. */
 double dlsi_draw_entry(int k, int i);
 
+static inline int dlsi_is_digit(int c) {
+  return c >= '0' && c <= '9';
+}
+
+/* Reads the decimal digits at *text, a whole number from `least` >= 0 to `most`, and moves *text
+ * past them. Returns 0 if no such number stands there; takes no sign and no blank. */
+int dlsi_read_whole(const char **text, int least, int most, int *value);
+
 /* Returns 1 if the plain sum of squares `sum` has neither over- nor underflown, so that sqrt(sum)
  * is the norm. */
 static inline int dlsi_is_plain(double sum) {
@@ -459,6 +467,38 @@ static DLSI_INLINE void dlsi_bodies_push(const int d, const int n, const dlsi_pa
 /* u := q + H^T v for the contacts first .. end-1, v = bodies.work. */
 void dlsi_bodies_unfold(const dls_contact *problem, int first, int end, double *u);
 
+/* ---- units (units.c) ------------------------------------------------------------------------- */
+
+/* A copy of a problem in units of its own. Zero at first; its powers and its memory stay from one
+ * problem to the next. */
+typedef struct dlsi_units {
+  int W, q;            /* W and q of the caller are 2 to these powers times those of the copy */
+  dls_contact problem; /* the copy; not in use while both are 0 */
+  double *values;      /* its arrays, and: */
+  double *r, *u;       /* m: of the copy */
+  double *shown;       /* m: r of a progress in the units of the caller */
+  size_t room;
+} dlsi_units;
+
+/* Returns 1 if squares stay in the range of numbers, so that no copy is needed. */
+int dlsi_has_plain_units(const dls_contact *problem);
+
+/* Turns *problem, which has been checked, into a copy in units of its own, if squares could leave
+ * the range of numbers in those of the caller. DLS_E_MEMORY. */
+dls_status dlsi_take_units(dlsi_units *units, const dls_contact **problem, dls_error *error);
+void dlsi_units_free(dlsi_units *units);
+
+/* The same of a problem and a vector r of reactions; neither is replaced if r would lose bits. */
+dls_status dlsi_take_answer(dlsi_units *units, const dls_contact **problem, const double **r,
+                            dls_error *error);
+
+/* y := 2^power x, n entries, y may be x. The second one returns 1 if that has rounded none. */
+void dlsi_shift(size_t n, int power, const double *x, double *y);
+int dlsi_shift_exactly(size_t n, int power, const double *x, double *y);
+
+/* Sets the fields of a certificate of the copy to the units of the caller. */
+void dlsi_certificate_from_units(const dlsi_units *units, dls_certificate *certificate);
+
 /* ---- the contact problem --------------------------------------------------------------------- */
 
 /* One block column of W, dense or by blocks, for a loop over its blocks: for k = begin .. end-1 the
@@ -541,14 +581,12 @@ static inline int dlsi_is_zero(int d, const double *v) {
   return v[0] == 0 && (d < 2 || v[1] == 0) && (d < 3 || v[2] == 0);
 }
 
-/* Returns |v_t|. hypot costs ten times the square root and is needed only if squares over- or
- * underflow. */
+/* Returns |v_t|. */
 static inline double dlsi_tangent_norm(int d, const double *v) {
   if (d == 1) return 0;
   if (d == 2) return fabs(v[1]);
   const double s = v[1] * v[1] + v[2] * v[2];
-  if (s > 1e-280 && s < 1e280) return sqrt(s);
-  return v[1] == 0 && v[2] == 0 ? 0 : hypot(v[1], v[2]);
+  return dlsi_is_plain(s) ? sqrt(s) : dlsi_norm2(v + 1, 2); /* to the same bits */
 }
 
 /* Projects v (d) on C_mu = { |r_t| <= mu r_n }: p := P(v); returns the branch taken. */

@@ -100,7 +100,7 @@ static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  if (m == 0) return; /* q may be NULL, and bodies may have no scratch */
+  if (m == 0) return; /* q may be NULL */
   if (problem->bodies.H) {
     dlsi_bodies_multiply(problem, order, problem->q, r, u, a);
     return;
@@ -457,14 +457,19 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
                                dls_certificate *certificate, dls_error *error) {
   DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
+  dlsi_units units = {.W = 0};
   dls_status status = dlsi_check_contact(problem, error);
   const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
   if (!status) status = dlsi_check_vector("r", r, m, error);
   if (!status && !certificate) status = dlsi_is_null(error, "certificate");
   if (!status) status = dlsi_check_apart(problem, r, u, error);
+  if (!status) status = dlsi_take_answer(&units, &problem, &r, error);
   if (!status) status = dlsi_lend(&formed, &problem, error);
   if (!status) status = contact_certify(problem, r, u, certificate, error);
+  if (!status && u) dlsi_shift(units.q ? m : 0, units.q, u, u);
+  if (!status) dlsi_certificate_from_units(&units, certificate);
   dlsi_formed_free(&formed);
+  dlsi_units_free(&units);
   return dlsi_at(__func__, status, error);
 }
 

@@ -10,8 +10,9 @@
  *              a host that traps or rounds otherwise pays for <fenv.h>
  *   elsewhere  <fenv.h> in every call
  *
- * The host's callbacks run in the environment that the host left: dlsi_go_out, dlsi_come_in read it
- * from a variable of the thread, set while a public function holds it.
+ * The host's callbacks run in the environment that the host left: dlsi_go_out reads it from a
+ * variable of the thread, set while a public function holds it. A callback may leave traps on, or
+ * another rounding: dlsi_come_in sets the library's own again, whatever the callback did.
  */
 
 #include "base/base.h"
@@ -32,12 +33,11 @@ void dlsi_free_host(const dlsi_door *door) {
 }
 
 void dlsi_go_out(dlsi_host *own) {
-  own->known = host_of_thread.known;
-  if (!own->known) return;
+  *own = (dlsi_host){.known = 1};
   (void)fegetenv(&own->environment);
-  (void)fesetenv(&host_of_thread.environment);
+  if (host_of_thread.known) (void)fesetenv(&host_of_thread.environment);
 }
 
 void dlsi_come_in(const dlsi_host *own) {
-  if (own->known) (void)fesetenv(&own->environment);
+  (void)fesetenv(&own->environment);
 }

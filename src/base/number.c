@@ -1,4 +1,5 @@
-/* number.c: computes norms that keep NaN, finds values that are not finite, and draws numbers. */
+/* number.c: computes norms that keep NaN, finds values that are not finite, reads whole
+ * numbers, and draws numbers. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -61,6 +62,17 @@ long long dlsi_first_not_finite(const double *x, size_t n) {
   while (!(exponent_plus_1(x[i]) >> 63))
     i++;
   return (long long)i;
+}
+
+int dlsi_read_whole(const char **text, int least, int most, int *value) {
+  const char *at = *text;
+  long long v = 0;
+  for (; dlsi_is_digit(*at) && v <= most; at++)
+    v = 10 * v + (*at - '0');
+  if (at == *text || v < least || v > most) return 0;
+  *value = (int)v;
+  *text = at;
+  return 1;
 }
 
 uint64_t dlsi_mix(uint64_t x) {

@@ -25,8 +25,7 @@ int dlsi_utf8_is_control(long code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0xfffe || code == 0xffff;
 }
 
-/* Returns 1 for a character that changes the direction of a line: it can hide what follows. */
-static int turns_line(long code) {
+int dlsi_utf8_turns_line(long code) {
   return code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
 }
@@ -34,7 +33,7 @@ static int turns_line(long code) {
 void dlsi_utf8_show(char form[dlsi_shown_room], const char *text, long code, int length) {
   if (code == '\n' || code == '\t')
     (void)snprintf(form, dlsi_shown_room, code == '\n' ? "\\n" : "\\t");
-  else if (dlsi_utf8_is_control(code) || turns_line(code)) /* no character is -1 */
+  else if (dlsi_utf8_is_control(code) || dlsi_utf8_turns_line(code)) /* no character is -1 */
     for (int k = 0; k < length; k++)
       (void)snprintf(form + 4 * k, 5, "\\x%02x", (unsigned char)text[k]);
   else

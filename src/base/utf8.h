@@ -13,6 +13,10 @@ long dlsi_utf8_next(const char *text, int *length);
  * excluded from XML, to which gnuplot copies labels. */
 int dlsi_utf8_is_control(long code);
 
+/* Returns 1 for a mark that changes the direction of a line: it can make a name look like another
+ * one. */
+int dlsi_utf8_turns_line(long code);
+
 /* Room for the longest form of a character, 4 bytes as \xNN, and its end. */
 enum { dlsi_shown_room = 17 };
 

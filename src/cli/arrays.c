@@ -128,17 +128,18 @@ static int read_npy_header(FILE *file, int *by_columns, table *t) {
   char text[1024] = {0};
   if (fread(fixed, 1, 10, file) != 10) return 0;
   size_t length = fixed[8] + 256u * fixed[9];
+  if (fixed[6] < 1 || fixed[6] > 3 || fixed[7]) return 0; /* the versions that there are */
   if (fixed[6] > 1 && (fread(fixed + 10, 1, 2, file) != 2 || fixed[10] || fixed[11])) return 0;
   if (length >= sizeof text || fread(text, 1, length, file) != length) return 0;
   const char *order = strstr(text, "'fortran_order': "), *shape = strstr(text, "'shape': (");
   if (!strstr(text, "'descr': '<f8'") || !order || !shape) return 0;
   *by_columns = strncmp(order + 17, "True", 4) == 0;
-  char close[2] = {0};
+  shape += strlen("'shape': (");
   t->cols = 1;
-  if (sscanf(shape + 10, "%d , %d %1[)]", &t->rows, &t->cols, close) < 3 &&
-      sscanf(shape + 10, "%d , %1[)]", &t->rows, close) < 2)
+  if (!dlsi_read_whole(&shape, 1, INT_MAX, &t->rows) || *shape++ != ',') return 0;
+  if (*shape == ' ' && shape++ && !dlsi_read_whole(&shape, 1, INT_MAX / t->rows, &t->cols))
     return 0;
-  return t->rows > 0 && t->cols > 0 && t->rows <= INT_MAX / t->cols;
+  return *shape == ')';
 }
 
 static int read_npy(const char *path, FILE *file, table *t) {

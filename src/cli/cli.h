@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/base.h"
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "delassus/forming.h"
@@ -275,14 +276,16 @@ typedef enum text_kind {
   AS_SHOWN,   /* a terminal: controls and bytes that are no UTF-8 as \n, \t, \xNN */
   AS_GNUPLOT, /* a string of gnuplot's, with its quotes, where no format is read (as in tics);
                  controls as blanks */
-  AS_CSV,     /* a field; quotes around it where it needs them; controls as blanks */
+  AS_CSV,     /* a field; quotes around it where it needs them; controls as blanks; a text that a
+                 spreadsheet would compute begins with ' */
   AS_JSON,    /* a string, with its quotes */
   AS_HTML     /* text between tags, or in quotes within one; controls as blanks */
 } text_kind;
 
 /* Returns the text as it has to stand there, for use within one expression:
  * fprintf(script, "set title %s\n", quote(AS_GNUPLOT, title).text). In files U+FFFD stands for each
- * byte that is no UTF-8. A text that is too long ends early, its quotes closed. */
+ * byte that is no UTF-8 and, but in JSON, for each mark that changes the direction of a line. A
+ * text that is too long ends early, its quotes closed. */
 enum { QUOTED_ROOM = 4096 };
 typedef struct quoted {
   char text[QUOTED_ROOM];
@@ -339,6 +342,12 @@ const char *plural(long long count);
 
 /* Refuses a value that is `what`; of a number with a decimal comma, says how to write it. */
 int refuse_number(const char *option, const char *text, const char *what);
+
+/* Reads the finite number at *text and moves *text past it; returns 0 if none stands there. */
+int read_real(const char **text, double *value);
+
+/* Reads N, with *ny = 0, or NXxNY, whole numbers >= 1; returns 0 for any other text. */
+int read_mesh(const char *text, int *nx, int *ny);
 
 /* Reads the value of an option, finite and >= 0. */
 taken parse_number(const char *option, const char *text, double *value);
@@ -529,12 +538,19 @@ FILE *open_in(const char *directory, const char *name);
 /* Opens a file in a directory, and writes its first line. */
 FILE *open_table(const char *directory, const char *name, const char *head);
 
+/* Opens a table that grows with the run: whatever ends that, the table keeps its rows. */
+FILE *open_growing(const char *directory, const char *name, const char *head);
+
 /* Closes a file that was opened so, by its name in a complaint; returns 1 if all of it was
  * written. Otherwise the old one stays. */
 int close_file(FILE *file, const char *name);
 
-/* Closes all files that are open, in the order they were opened, up to one that was not written. */
+/* Closes all files that are open, in the order they were opened. Returns 0 after a complaint about
+ * one that was not written; it and those after it keep the rows of growing tables alone. */
 int close_files(void);
+
+/* Gives up the files that are still open, but the rows of growing tables, which become files. */
+void keep_tables(void);
 
 /* Gives up the files that are still open; old ones stay. */
 void drop_files(void);

@@ -10,6 +10,7 @@
  *   mesh, plastic, pressure, force (.dat or .csv, .gp, .png, .svg)
  */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -149,9 +150,9 @@ static void write_force(const outputs *o, const dls_forming_data *d, const char 
 }
 
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
-  if (!(o->force = open_in(directory, "force.csv")) ||
-      !(o->contact = open_table(directory, "contact.csv",
-                                "travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n")) ||
+  if (!(o->force = open_growing(directory, "force.csv", "")) ||
+      !(o->contact = open_growing(directory, "contact.csv",
+                                  "travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n")) ||
       !(o->series = open_series(directory)) || !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
@@ -172,6 +173,8 @@ static int write_step(const outputs *o, const forming_options *options, const dl
   write_force(o, &d, way_word(d.way));
   write_pressures(o->pressure, &d);
   if (asked) write_contacts(o->contact, &d);
+  if (fflush(o->force) || fflush(o->contact))
+    return refuse("%s: force.csv, contact.csv: %s", options->out, strerror(errno));
   const int every = (d.steps + VTU_FILES - 1) / VTU_FILES;
   if (step % every && !asked) return 1;
   static dls_status (*const write[])(const dls_forming *, const char *, dls_error *) = {
@@ -332,7 +335,7 @@ static int run_forming(const forming_options *o) {
         fprintf(out.force, "# %s at %.6g of %.6g mm\n", dls_status_text(status), d.travel, d.whole);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  if (result == EXIT_BAD_INPUT) drop_files();
+  if (result == EXIT_BAD_INPUT) keep_tables(); /* its steps may be hours of work */
   if (!close_series(out.series) || !close_files()) result = EXIT_BAD_INPUT;
   if (o->save && result != EXIT_BAD_INPUT) {
     dls_contact last;

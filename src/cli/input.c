@@ -19,7 +19,7 @@ static int pipe_count;
 
 /* Copies all of `from` into a new file, whose name is returned in `copy`; 0 on failure. */
 static int copy_pipe(FILE *from, char copy[PATH_ROOM]) {
-  char bytes[1 << 16];
+  char bytes[1 << 12];
   if (snprintf(copy, PATH_ROOM, "%s/delassus-XXXXXX", temporary_place()) >= PATH_ROOM) return 0;
   end_at_once(0); /* the copy is to be removed */
   const int fd = mkstemp(copy);

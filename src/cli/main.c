@@ -1,5 +1,6 @@
 /* main.c: the program `delassus`: runs a command, prints help and version. */
 #define _GNU_SOURCE /* MAP_ANONYMOUS */
+#include <signal.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -119,6 +120,7 @@ int main(int argc, char **argv) {
   const char *name = argc > 1 ? argv[1] : "";
   const int k = find_command(name);
   int result;
+  (void)signal(SIGXFSZ, SIG_IGN); /* beyond ulimit -f a write fails, as on a full disk */
   if (k >= 0 && !blas_takes_memory()) return EXIT_BAD_INPUT;
   if (k >= 0)
     result = commands[k].run(argc - 1, argv + 1);

@@ -270,7 +270,7 @@ static int map_methods(int count, char **names, map_options *o) {
   /* the files complain by themselves */
   if (!status && (o->out = take_folder(o->out, "map", count > 1 ? NULL : at)) &&
       (m->csv =
-           open_table(o->out, "map.csv", "row,mu,method,verdict,cpu_s,iterations,residual\n"))) {
+           open_growing(o->out, "map.csv", "row,mu,method,verdict,cpu_s,iterations,residual\n"))) {
     m->picture.directory = o->out;
     if (count > 1) {
       status = map_problems(m, count, names, o, &at, &error);
@@ -302,9 +302,9 @@ static int map_methods(int count, char **names, map_options *o) {
 }
 
 static taken take_range(const char *text, map_options *o) {
-  char more;
-  if (sscanf(text, "%lf:%lf%c", &o->from, &o->to, &more) == 2 && o->from >= 0 && o->to > o->from &&
-      isfinite(o->to))
+  const char *at = text;
+  if (read_real(&at, &o->from) && *at++ == ':' && read_real(&at, &o->to) && !*at && o->from >= 0 &&
+      o->to > o->from)
     return OPTION_TAKEN;
   return (taken)refuse("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
 }

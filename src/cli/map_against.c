@@ -206,7 +206,7 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
   const size_t m = (size_t)a->base.m;
   double mu[MAP_ROWS];
   double *room = malloc((3 * m * m + 7 * m) * sizeof *room);
-  FILE *csv = room ? open_in(o->out, "map.csv") : NULL;
+  FILE *csv = room ? open_growing(o->out, "map.csv", "") : NULL;
   dls_status status = csv ? DLS_OK : room ? DLS_E_FILE : DLS_E_MEMORY;
   a->base.W = room;
   if (csv) {

@@ -92,7 +92,7 @@ static dls_status run_walks(map_picture *p, const scene *s, const map_options *o
  * complaint. */
 static int show_walks(map_picture *p, const char *directory, int mesh, const double *mu,
                       walk *walks, int *all_done) {
-  FILE *csv = open_in(directory, "map.csv");
+  FILE *csv = open_growing(directory, "map.csv", "");
   if (!csv) return 0;
   fprintf(csv, "mu,%s,verdict,part,cpu_s,answer,off\n", mesh ? "mesh" : "steps");
   for (int i = 0; i < p->rows; i++)

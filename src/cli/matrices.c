@@ -197,8 +197,9 @@ static int read_numbering(const char *sti, int n, struct matrices *own) {
   own->direction = malloc((size_t)n * sizeof *own->direction);
   int good = own->node && own->direction ? 1 : refuse("out of memory"), k = 0;
   while (good && fgets(line, sizeof line, file)) {
-    if (k >= n || sscanf(line, "%d.%1d", &own->node[k], &own->direction[k]) != 2 ||
-        own->node[k] < 1)
+    const char *at = line + strspn(line, " ");
+    if (k >= n || !dlsi_read_whole(&at, 1, INT_MAX, &own->node[k]) || *at++ != '.' ||
+        !dlsi_read_whole(&at, 0, 9, &own->direction[k]) || at[strspn(at, " \r\n")])
       good = refuse("%s: line %d is no node.direction of %d unknown%s", path, k + 1, n, plural(n));
     k++;
   }

@@ -214,11 +214,20 @@ int refuse_number(const char *option, const char *text, const char *what) {
                 room);
 }
 
-taken parse_number(const char *option, const char *text, double *value) {
+int read_real(const char **text, double *value) {
   char *end;
   errno = 0;
-  const double v = strtod(text, &end);
-  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0)
+  const double v = strtod(*text, &end);
+  if (end == *text || errno == ERANGE || !isfinite(v)) return 0;
+  *value = v;
+  *text = end;
+  return 1;
+}
+
+taken parse_number(const char *option, const char *text, double *value) {
+  const char *end = text;
+  double v;
+  if (!read_real(&end, &v) || *end || v < 0)
     return (taken)refuse_number(option, text, "not a number >= 0");
   *value = v;
   return OPTION_TAKEN;

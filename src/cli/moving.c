@@ -7,8 +7,10 @@
  *   series.pvd    about 50 steps for ParaView, step_NNNN.vtu
  *   energy, map or bar, loop (.dat, .gp, .png, .svg)
  */
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cli.h"
 
@@ -56,11 +58,7 @@ static const char *const law_names[] = {"velocity", "gap", "path"}; /* from 1 */
 static const char *const mass_names[] = {"consistent", "lumped"};   /* from 1 */
 
 static taken moving_mesh(const char *text, dls_moving_settings *s) {
-  char more;
-  s->ny = 0;
-  if ((sscanf(text, "%d%c", &s->nx, &more) == 1 && s->nx > 0) ||
-      (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0))
-    return OPTION_TAKEN;
+  if (read_mesh(text, &s->nx, &s->ny)) return OPTION_TAKEN;
   return (taken)refuse("--mesh: '%s' is neither N nor NXxNY, whole numbers >= 1", text);
 }
 
@@ -119,18 +117,19 @@ static double surface_part(const dls_moving_data *d, int c) {
 
 static int moving_open(moving_files *f, const char *directory, const dls_moving_data *d) {
   f->energy =
-      open_table(directory, "energy.csv",
-                 "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n");
+      open_growing(directory, "energy.csv",
+                   "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n");
   if (f->energy)
-    f->contact = open_table(directory, "contact.csv", "t,candidate,r_n,r_t,u_n,u_t,state\n");
+    f->contact = open_growing(directory, "contact.csv", "t,candidate,r_n,r_t,u_n,u_t,state\n");
   if (!f->contact || !(f->series = open_series(directory))) return 0;
   if (d->has_exact)
-    f->bar = open_table(directory, "bar.dat", "# t gap exact_gap force exact_force\n");
+    f->bar = open_growing(directory, "bar.dat", "# t gap exact_gap force exact_force\n");
   else
-    f->map = open_table(directory, "map.dat", "# t x r_n/length state(0 free, 1 slip, 2 stick)\n");
+    f->map =
+        open_growing(directory, "map.dat", "# t x r_n/length state(0 free, 1 slip, 2 stick)\n");
   if (d->obstacle_moves)
     f->loop =
-        open_table(directory, "loop.dat", "# obstacle sum_of_r_t; a blank line between cycles\n");
+        open_growing(directory, "loop.dat", "# obstacle sum_of_r_t; a blank line between cycles\n");
   return (f->bar || f->map) && (f->loop || !d->obstacle_moves);
 }
 
@@ -194,6 +193,8 @@ static int write_moving_step(const moving_files *f, const char *directory, const
   const int every = (d->steps + SERIES_FILES - 1) / SERIES_FILES;
   write_energy(f->energy, d);
   if (d->step > 0) write_contact(f, d);
+  if (fflush(f->energy) || fflush(f->contact))
+    return refuse("%s: energy.csv, contact.csv: %s", directory, strerror(errno));
   return d->step % every && !last ? 1 : write_series(f, directory, d);
 }
 
@@ -317,7 +318,7 @@ static int run_moving(const moving_options *o) {
                 d.steps);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  if (result == EXIT_BAD_INPUT) drop_files();
+  if (result == EXIT_BAD_INPUT) keep_tables(); /* its steps may be hours of work */
   if (!close_series(files.series) || !close_files()) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;

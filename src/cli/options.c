@@ -1,7 +1,6 @@
 /* options.c: reads the options of the commands, and those that scene and solve share: the method
  * and its settings. */
-#include <errno.h>
-#include <stdlib.h>
+#include <limits.h>
 #include <string.h>
 
 #include "cli.h"
@@ -38,20 +37,19 @@ static int wrong_option(char **argv, const command *c, int key) {
 
 /* Reads an integer from 1 to `most`. */
 static taken parse_count(const char *option, const char *text, int most, int *value) {
-  char *end;
-  errno = 0;
-  const long v = strtol(text, &end, 10);
-  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
-    return (taken)refuse("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
-  }
-  *value = (int)v;
-  return OPTION_TAKEN;
+  const char *end = text;
+  if (dlsi_read_whole(&end, 1, most, value) && !*end) return OPTION_TAKEN;
+  return (taken)refuse("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
 }
 
-/* Reads NXxNY, two integers >= 1. */
+int read_mesh(const char *text, int *nx, int *ny) {
+  *ny = 0;
+  if (!dlsi_read_whole(&text, 1, INT_MAX, nx)) return 0;
+  return !*text || (*text++ == 'x' && dlsi_read_whole(&text, 1, INT_MAX, ny) && !*text);
+}
+
 static taken parse_mesh(const char *text, int *nx, int *ny) {
-  char more;
-  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
+  if (read_mesh(text, nx, ny) && *ny) return OPTION_TAKEN;
   return (taken)refuse("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
 }
 

@@ -51,6 +51,12 @@ FILE *open_table(const char *directory, const char *name, const char *head) {
   return file;
 }
 
+FILE *open_growing(const char *directory, const char *name, const char *head) {
+  FILE *file = open_table(directory, name, head);
+  if (file) open_files->out.is_table = 1;
+  return file;
+}
+
 int close_file(FILE *file, const char *name) {
   open_file **at = &open_files;
   while ((*at)->out.file != file)
@@ -72,6 +78,7 @@ int close_files(void) {
       first = first->next;
     good = close_file(first->out.file, first->out.path);
   }
+  keep_tables();
   return good;
 }
 
@@ -86,13 +93,25 @@ void put_files_back(open_file *files) {
   open_files = files;
 }
 
-void drop_files(void) {
+/* Gives all open files up; keep: but the rows of growing tables. */
+static void end_files(int keep) {
   while (open_files) {
     open_file *entry = open_files;
     open_files = entry->next;
-    dlsi_output_drop(&entry->out);
+    if (keep && entry->out.is_table)
+      dlsi_output_keep_rows(&entry->out);
+    else
+      dlsi_output_drop(&entry->out);
     free(entry);
   }
+}
+
+void drop_files(void) {
+  end_files(0);
+}
+
+void keep_tables(void) {
+  end_files(1);
 }
 
 dls_fe_series *open_series(const char *directory) {

@@ -228,9 +228,9 @@ static int run_profile(int count, char **list, const profile_options *o) {
   if (!good) (void)complain("out of memory");
   const char *out = good ? take_folder(o->out, "profile", NULL) : NULL;
   if (good)
-    good =
-        out && (p.csv = open_table(out, "profile.csv",
-                                   "problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n"));
+    good = out &&
+           (p.csv = open_growing(out, "profile.csv",
+                                 "problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n"));
   for (int i = 0; i < count && good && !was_interrupted(); i++)
     good = profile_add(&p, list[i], o);
   if (good) good = close_file(p.csv, "profile.csv");

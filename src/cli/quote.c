@@ -29,12 +29,13 @@ static void write_form(char form[longest_form], text_kind kind, const char *text
     return;
   }
   (void)snprintf(form, longest_form, "%.*s", length, text);
-  if (code < 0 || code == 0xfffe || code == 0xffff) {
+  const int turns = dlsi_utf8_turns_line(code);
+  if (code < 0 || code == 0xfffe || code == 0xffff || (turns && kind != AS_JSON)) {
     (void)snprintf(form, longest_form, "\xef\xbf\xbd"); /* U+FFFD */
   } else if (kind == AS_JSON) {
     if (code == '"' || code == '\\')
       (void)snprintf(form, longest_form, "\\%c", (char)code);
-    else if (dlsi_utf8_is_control(code))
+    else if (turns || dlsi_utf8_is_control(code))
       (void)snprintf(form, longest_form, "\\u%04lx", (unsigned long)code);
   } else if (dlsi_utf8_is_control(code)) {
     (void)snprintf(form, longest_form, " ");
@@ -56,12 +57,17 @@ static const char *side_mark(text_kind kind, const char *text) {
   return text[0] == '#' || text[0] == ' ' || text[strcspn(text, ",\"")] ? "\"" : "";
 }
 
+/* Returns 1 for a text that a spreadsheet would compute. */
+static int is_formula(const char *text) {
+  return text[0] && strchr("=+-@", text[0]);
+}
+
 quoted quote(text_kind kind, const char *text) {
   quoted q;
   const char *mark = side_mark(kind, text);
-  size_t used = strlen(mark);
   int length;
-  memcpy(q.text, mark, used + 1);
+  size_t used = (size_t)snprintf(q.text, sizeof q.text, "%s%s", mark,
+                                 kind == AS_CSV && is_formula(text) ? "'" : "");
   for (long code; (code = dlsi_utf8_next(text, &length)) != 0; text += length) {
     char form[longest_form];
     write_form(form, kind, text, code, length);

@@ -140,7 +140,12 @@ void file_contacts(const file_budget *b, page *p);
 
 /* ---- report_parts.c -------------------------------------------------------------------------- */
 
-enum { MOST_COMMANDS = 8, COMMAND_ROOM = 900 };
+enum { MOST_COMMANDS = 8, COMMAND_ROOM = 900, MOST_WORDS = 16 };
+
+typedef struct command_line {
+  int count;
+  char word[MOST_WORDS][PATH_ROOM];
+} command_line;
 
 /* What the parts of a page share. */
 typedef struct parts {
@@ -152,6 +157,7 @@ typedef struct parts {
   double cpu;          /* seconds of a part, about */
   int commands;
   char command[MOST_COMMANDS][COMMAND_ROOM]; /* as a shell reads them */
+  command_line line;                         /* at work; not on the stack, which may be small */
 } parts;
 
 /* Notes the command of the page itself. */

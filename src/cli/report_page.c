@@ -250,8 +250,9 @@ int page_picture(page *p, const char *directory, const char *name, const char *w
   double width, height;
   char *text = read_picture(directory, name);
   const char *box = text ? strstr(text, "viewBox=\"") : NULL;
-  const char *after = box ? strchr(box, '>') : NULL;
-  const int good = after && sscanf(box, "viewBox=\"0 0 %lf %lf", &width, &height) == 2;
+  const char *after = box ? strchr(box, '>') : NULL, *at = box ? strstr(box, "0 0 ") : NULL;
+  if (at) at += strlen("0 0 ");
+  const int good = after && at && read_real(&at, &width) && read_real(&at, &height);
   if (good) {
     p->pictures++;
     /* a wide picture scrolls on a small screen, where its words would be too small */

@@ -9,17 +9,11 @@
 #include "report.h"
 
 enum { MAP_OF_METHODS = 6, MAP_OF_STEPS = 4, STEP_CELLS = 24, METHODS = 13, MOST_TABLE = 40 };
-enum { MOST_WORDS = 16, most_rows_of_facts = 1500, most_contacts_of_fold = 40 };
+enum { most_rows_of_facts = 1500, most_contacts_of_fold = 40 };
 
 /* ---- commands -------------------------------------------------------------------------------- */
 
-/* A command line. */
-typedef struct line {
-  int count;
-  char word[MOST_WORDS][PATH_ROOM];
-} line;
-
-static void add_words(line *l, const char *words) {
+static void add_words(command_line *l, const char *words) {
   while (*words && l->count < MOST_WORDS) {
     const int length = (int)strcspn(words, " ");
     if (length) (void)snprintf(l->word[l->count++], PATH_ROOM, "%.*s", length, words);
@@ -27,13 +21,13 @@ static void add_words(line *l, const char *words) {
   }
 }
 
-static void add_word(line *l, const char *before, const char *word) {
+static void add_word(command_line *l, const char *before, const char *word) {
   if (l->count < MOST_WORDS)
     (void)snprintf(l->word[l->count++], PATH_ROOM, "%s%.*s", before, PATH_ROOM - 20, word);
 }
 
 /* Begins the command `what` with its options on the scene or file, its files in FOLDER/what. */
-static void begin_line(line *l, const parts *a, const char *what, const char *options) {
+static void begin_line(command_line *l, const parts *a, const char *what, const char *options) {
   l->count = 0;
   add_words(l, what);
   add_words(l, options);
@@ -43,7 +37,7 @@ static void begin_line(line *l, const parts *a, const char *what, const char *op
 }
 
 /* Writes the command as a shell reads it: words with other characters in quotes. */
-static void write_line(const line *l, char *text, size_t size) {
+static void write_line(const command_line *l, char *text, size_t size) {
   size_t used = (size_t)snprintf(text, size, "delassus");
   for (int k = 0; k < l->count && used + 8 < size; k++) {
     const char *w = l->word[k];
@@ -58,7 +52,7 @@ static void write_line(const line *l, char *text, size_t size) {
 
 /* Runs the command line, its files in FOLDER/what; returns its exit status. `why` (PATH_ROOM): what
  * it complained of. */
-static int run_line(line *l, const parts *a, const char *what, int (*run)(int, char **),
+static int run_line(command_line *l, const parts *a, const char *what, int (*run)(int, char **),
                     char path[PATH_ROOM], char *why) {
   static char quiet[] = "--quiet";
   char out[PATH_ROOM + 8], *argv[MOST_WORDS + 2];
@@ -78,23 +72,21 @@ static int run_line(line *l, const parts *a, const char *what, int (*run)(int, c
 }
 
 /* Begins the command `what` and notes it. */
-static void note_line(parts *a, line *l, const char *what, const char *options) {
-  begin_line(l, a, what, options);
-  if (a->commands < MOST_COMMANDS) write_line(l, a->command[a->commands++], COMMAND_ROOM);
+static void note_line(parts *a, const char *what, const char *options) {
+  begin_line(&a->line, a, what, options);
+  if (a->commands < MOST_COMMANDS) write_line(&a->line, a->command[a->commands++], COMMAND_ROOM);
 }
 
 void part_note(parts *a, const char *options) {
-  line l;
-  note_line(a, &l, "report", options);
+  note_line(a, "report", options);
 }
 
 /* Runs a command for this page; says on the page why it did not work. Returns 1 if it did. */
 static int make_part(parts *a, const char *what, const char *options, int (*run)(int, char **),
                      char path[PATH_ROOM]) {
-  line l;
   char why[PATH_ROOM];
-  note_line(a, &l, what, options);
-  if (run_line(&l, a, what, run, path, why) != EXIT_BAD_INPUT) return 1;
+  note_line(a, what, options);
+  if (run_line(&a->line, a, what, run, path, why) != EXIT_BAD_INPUT) return 1;
   page_say(a->page, PAGE_NOTE, "No %s: %.600s", what, *why ? why : "it failed");
   return 0;
 }

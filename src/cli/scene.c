@@ -291,14 +291,12 @@ static int read_reference(const char *path, run *a) {
   int number = 0, good = fgets(line, sizeof line, file) != NULL;
   while (good && fgets(line, sizeof line, file)) {
     number++;
-    char *field = line;
-    const long node = strtol(field, &field, 10);
-    good = node >= 1 && node <= a->data.candidates;
+    const char *field = line;
+    int node;
+    good = dlsi_read_whole(&field, 1, a->data.candidates, &node);
     for (int k = 0; good && k < REFERENCE_COLUMNS && *field == ','; k++) {
-      char *end = ++field;
-      const double value = strtod(field, &end);
-      if (end != field) a->paper[k][node - 1] = value;
-      field = end;
+      field++;
+      (void)read_real(&field, &a->paper[k][node - 1]);
     }
     good = good && (*field == '\n' || *field == '\r' || *field == '\0');
   }
@@ -509,12 +507,12 @@ static taken list_scenes(void) {
 
 /* Reads TOP,SIDE[,SIDE_TOP]. */
 static taken parse_load(const char *text, dls_fe_scene_settings *block) {
-  char more;
-  const int count =
-      sscanf(text, "%lf,%lf%c%lf%c", &block->top, &block->side, &more, &block->side_top, &more);
-  if (count == 2) block->side_top = block->side;
+  const char *at = text;
   block->has_load = 1;
-  if (count == 2 || (count == 4 && more == ',')) return OPTION_TAKEN;
+  if (read_real(&at, &block->top) && *at++ == ',' && read_real(&at, &block->side)) {
+    block->side_top = block->side;
+    if (!*at || (*at++ == ',' && read_real(&at, &block->side_top) && !*at)) return OPTION_TAKEN;
+  }
   return (taken)refuse("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
 }
 

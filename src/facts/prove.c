@@ -337,16 +337,33 @@ dls_status dlsi_contact_prove(const dls_contact *problem, const double *r, dls_p
   return status;
 }
 
+/* Takes the proof and the improved r (m, or NULL) back to the caller's units. Nothing is proved
+ * of an r that these units round. */
+static void prove_leave_units(dlsi_units *units, size_t m, dls_proof *proof, double *improved) {
+  const int power = units->q - units->W;
+  proof->box = ldexp(proof->box, units->q);
+  if (!improved || (!units->q && !units->W)) return;
+  if (dlsi_shift_exactly(m, power, improved, improved)) return;
+  dlsi_shift(m, power, units->r, improved);
+  *proof = (dls_proof){.contact = -1, .rows = proof->rows};
+}
+
 dls_status dls_contact_prove(const dls_contact *problem, const double *r, dls_proof *proof,
                              double *improved, dls_error *error) {
   DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
+  dlsi_units units = {.W = 0};
   dls_status status = dlsi_check_blas(error);
   if (!status) status = dlsi_check_contact(problem, error);
   if (!status) status = dlsi_check_vector("r", r, (size_t)problem->d * (size_t)problem->nc, error);
   if (!status && !proof) status = dlsi_is_null(error, "proof");
+  const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
+  if (!status) status = dlsi_take_answer(&units, &problem, &r, error);
   if (!status) status = dlsi_form_blocks(&formed, &problem, error);
+  if (!improved) improved = units.shown; /* NULL for no copy */
   if (!status) status = dlsi_contact_prove(problem, r, proof, improved, error);
+  if (!status) prove_leave_units(&units, m, proof, improved);
   dlsi_formed_free(&formed);
+  dlsi_units_free(&units);
   return dlsi_at(__func__, status, error);
 }

@@ -24,6 +24,14 @@ static int prove_slips(const dlsi_prove *work, int c) {
   return work->branch[c].state == DLS_SLIP && work->branch[c].mu > 0;
 }
 
+/* Returns (R^2 - b^2)^1/2, in the unit of R, a power of two: its square may leave the range of
+ * numbers. */
+static double prove_along(double R, double b) {
+  const int unit = R > 0 ? ilogb(R) : 0;
+  const double less = ldexp(R - b, -unit), more = ldexp(R + b, -unit);
+  return ldexp(sqrt(fmax(0, less * more)), unit);
+}
+
 /* (PR1) r := the point with r_n and b; turned := the rounding of its r_t. */
 void dlsi_prove_put(dlsi_prove *work) {
   const int d = work->problem->d;
@@ -33,7 +41,7 @@ void dlsi_prove_put(dlsi_prove *work) {
     memset(turned, 0, (size_t)d * sizeof *turned);
     if (!at->count) memset(r, 0, (size_t)d * sizeof *r);
     if (!at->count || at->state == DLS_STICK) continue;
-    const double R = at->mu * r[0], b = work->b[c], x = sqrt(fmax(0, (R - b) * (R + b)));
+    const double R = at->mu * r[0], b = work->b[c], x = prove_along(R, b);
     for (int i = 1; i < d; i++) {
       const double p = i == 1 ? -at->t[1] : at->t[0], t = at->t[i - 1];
       r[i] = at->mu > 0 ? x * t + b * p : 0;
@@ -113,7 +121,7 @@ void dlsi_prove_laws(dlsi_prove *work) {
     }
     if (at->state != DLS_SLIP || at->count != 2) continue;
     const double R = at->mu * work->r[d * c], b = work->b[c];
-    const double k = b / sqrt((R - b) * (R + b)), turn = fabs(k);
+    const double k = b / prove_along(R, b), turn = fabs(k);
     const double p = t[0] * u[2] - t[1] * u[1], along = t[0] * u[1] + t[1] * u[2];
     const double size =
         fabs(t[0] * u[2]) + fabs(t[1] * u[1]) + turn * (fabs(t[0] * u[1]) + fabs(t[1] * u[2]));

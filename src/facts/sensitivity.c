@@ -459,13 +459,16 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
 static dls_status sensitivity_call(const dls_contact *problem, const double *r, const char *name,
                                    dls_sensitivity *sensitivity, int *freedom, dls_error *error) {
   dlsi_formed formed = {.work = NULL};
+  dlsi_units units = {.W = 0};
   dls_status status = dlsi_check_blas(error);
   if (!status) status = dlsi_check_contact(problem, error);
   if (!status) status = dlsi_check_vector("r", r, (size_t)problem->d * (size_t)problem->nc, error);
   if (!status && !sensitivity && !freedom) status = dlsi_is_null(error, name);
+  if (!status) status = dlsi_take_answer(&units, &problem, &r, error);
   if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = sensitivity_run(problem, r, sensitivity, freedom, error);
   dlsi_formed_free(&formed);
+  dlsi_units_free(&units);
   return status;
 }
 

@@ -64,14 +64,19 @@ static herr_t stay_inside(const char *parent_file, const char *parent_group, con
 
 enum { most_deflated = 1032 }; /* largest number of bytes from one byte of deflate */
 
-/* Returns 1 if the values are in this file, which is large enough for them, and no piece by which
- * HDF5 reads them is larger. held: values of `size` bytes. */
-static int is_stored_here(const source *s, hid_t set, hsize_t held, size_t size) {
-  hsize_t chunk[H5S_MAX_RANK], values = 1;
+enum { free_chunk = 8 << 16 }; /* bytes of a chunk that HDF5 may read whatever is wanted */
+
+/* Returns 1 if the values are in this file, which is large enough for them. HDF5 reads a chunk as a
+ * whole: one of more than free_chunk bytes may hold twice the values wanted, no more. held: values
+ * of `size` bytes. */
+static int is_stored_here(const source *s, hid_t set, hsize_t held, size_t wanted, size_t size) {
+  hsize_t chunk[H5S_MAX_RANK], values = 1, most = 2 * (hsize_t)wanted;
   const hid_t create = H5Dget_create_plist(set);
   if (create < 0 || size == 0) return 0;
   const H5D_layout_t layout = H5Pget_layout(create);
   const hsize_t room = s->bytes * (H5Pget_nfilters(create) > 0 ? most_deflated : 1) / size;
+  if (most < free_chunk / size) most = free_chunk / size;
+  if (most > room) most = room;
   int good =
       held <= room && (layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED);
   if (good && layout == H5D_CONTIGUOUS) good = H5Pget_external_count(create) == 0;
@@ -79,7 +84,7 @@ static int is_stored_here(const source *s, hid_t set, hsize_t held, size_t size)
     const int rank = H5Pget_chunk(create, H5S_MAX_RANK, chunk);
     good = rank > 0;
     for (int k = 0; k < rank && good; k++) {
-      good = chunk[k] > 0 && chunk[k] <= room / values;
+      good = chunk[k] > 0 && chunk[k] <= most / values;
       values *= chunk[k];
     }
   }
@@ -107,9 +112,10 @@ static dls_status check_set(const source *s, const char *name, hid_t set, hid_t 
     return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "must have one dimension");
   if (count && H5Dget_storage_size(set) == 0)
     return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "was never written");
-  if (held && !is_stored_here(s, set, (hsize_t)held, size))
-    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, (double)held,
-                     "claims more values than the file has room for");
+  if (held && !is_stored_here(s, set, (hsize_t)held, count, size))
+    return dlsi_fail(
+        s->error, DLS_E_FORMAT, name, -1, (double)held,
+        "claims more values than the file has room for, or is in pieces out of proportion");
   return DLS_OK;
 }
 
@@ -316,7 +322,7 @@ static dls_status read_title(const source *s, char **title) {
   const hid_t stored = H5Dget_type(set), space = H5Dget_space(set);
   if (stored >= 0 && space >= 0 && H5Tget_class(stored) == H5T_STRING &&
       H5Sget_simple_extent_npoints(space) == 1 && H5Dget_storage_size(set) > 0 &&
-      is_stored_here(s, set, 1, H5Tget_size(stored)))
+      is_stored_here(s, set, 1, 1, H5Tget_size(stored)))
     status = H5Tis_variable_str(stored) > 0
                  ? read_variable_text(set, stored, space, title, s->error)
                  : read_fixed_text(set, stored, title, s->error);

@@ -20,10 +20,6 @@ long long dlsi_file_size(FILE *file);
  * error. Errors of dls_mtx_read. */
 dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error);
 
-static inline int dlsi_is_digit(int c) {
-  return c >= '0' && c <= '9';
-}
-
 /* Reads a finite decimal number, a word of `length` characters, with a decimal point in every
  * locale of the host, also with exponents of Fortran (1D0). Returns 0 for any other word. */
 enum { dlsi_longest_number = 64 }; /* a double needs 24 characters */

@@ -90,15 +90,8 @@ static int says(const scanner *s, const char *text) {
 
 /* Reads word = digits, at most INT_MAX; returns 0 for any other word. */
 static int to_int(const scanner *s, int *value) {
-  long long v = 0;
-  if (s->length < 1 || s->length > 10) return 0;
-  for (size_t k = 0; k < s->length; k++) {
-    if (!dlsi_is_digit(s->word[k])) return 0;
-    v = 10 * v + (s->word[k] - '0');
-  }
-  if (v > INT_MAX) return 0;
-  *value = (int)v;
-  return 1;
+  const char *end = s->word;
+  return dlsi_read_whole(&end, 0, INT_MAX, value) && end == s->word + s->length;
 }
 
 /* Prints x with 17 significant digits, which read back to the same bits. */

@@ -95,16 +95,37 @@ void dlsi_output_drop(dlsi_output *out) {
   out->file = NULL;
 }
 
+void dlsi_output_keep_rows(dlsi_output *out) {
+  off_t at = 0, end = 0;
+  int lines = 0;
+  if (!out->file) return;
+  (void)fclose(out->file);
+  out->file = NULL;
+  FILE *written = out->temporary[0] ? fopen(out->temporary, "r") : NULL;
+  for (int c; written && (c = getc(written)) != EOF;) {
+    at++;
+    if (c != '\n') continue;
+    end = at;
+    lines += lines < 2;
+  }
+  if (written) (void)fclose(written);
+  if (!out->temporary[0]) return;
+  const int good = lines > 1 && truncate(out->temporary, end) == 0;
+  if (!good || rename(out->temporary, out->path)) (void)unlink(out->temporary);
+}
+
 dls_status dlsi_output_finish(dlsi_output *out, dls_error *error) {
   static const char *const text = "cannot be written to the end";
   const int whole = out->temporary[0] != '\0'; /* a file of its own */
-  int reason = 0, failed = ferror(out->file);
-  if (!failed) {
-    failed = fflush(out->file) != 0 || (whole && fsync(fileno(out->file)) != 0);
-    reason = failed ? errno : 0;
-  }
-  if (failed) {
-    dlsi_output_drop(out);
+  const int lost = ferror(out->file); /* writing again tells why, unless the reason has gone */
+  int failed = fflush(out->file) != 0 || (whole && !lost && fsync(fileno(out->file)) != 0);
+  if (lost && !failed) failed = write(fileno(out->file), " ", 1) < 0; /* nothing is left to flush */
+  int reason = failed ? errno : 0;
+  if (failed || lost) {
+    if (out->is_table)
+      dlsi_output_keep_rows(out);
+    else
+      dlsi_output_drop(out);
     return output_fail(reason, text, error);
   }
   failed = fclose(out->file) != 0 || (whole && rename(out->temporary, out->path) != 0);

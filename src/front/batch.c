@@ -60,7 +60,8 @@ static int batch_count(const batch *all, int k, int count) {
   int found = 0;
   if (!all->lanes || nc < 1 || nc > dlsi_lane_candidates) return 0;
   while (found < dlsi_lanes && k + found < count && all->problem[k + found].nc == nc &&
-         !all->problem[k + found].bodies.H && dlsi_first_bonded(&all->problem[k + found]) < 0)
+         !all->problem[k + found].bodies.H && dlsi_has_plain_units(&all->problem[k + found]) &&
+         dlsi_first_bonded(&all->problem[k + found]) < 0)
     found++;
   return found;
 }

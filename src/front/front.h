@@ -15,6 +15,26 @@ dls_status dlsi_solver_check(const dls_solver_settings *settings, dls_error *err
 dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
                               const dls_solver_settings *settings, dls_error *error);
 
+/* ---- scaled.c -------------------------------------------------------------------------------- */
+
+/* A solve in units of its own; units NULL: in those of the caller. */
+typedef struct dlsi_scaled {
+  dlsi_units *units;
+  size_t m;
+  const dls_contact *given; /* the caller's problem, ... */
+  double *r, *u;            /* ... arrays, ... */
+  dls_info *info, own;      /* ... info, and that of the copy, ... */
+  dls_limits host;          /* ... limits */
+} dlsi_scaled;
+
+/* Begin and end a solve of a problem that has been checked. The first one may replace the problem,
+ * r, u, info and the callback of the limits by those of a copy. The second one fills the caller's
+ * arrays and returns the status for the caller's problem. */
+dls_status dlsi_scaled_begin(dlsi_scaled *s, dlsi_units *units, const dls_contact **problem,
+                             double **r, double **u, dls_info **info, dls_limits *limits,
+                             dls_error *error);
+dls_status dlsi_scaled_end(dlsi_scaled *s, dls_status status, dls_error *error);
+
 /* ---- src/front/body.c ------------------------------------------------------------------------ */
 
 /* Copies the certificate of the body to info and sets info->status, so far that of the solve: to

@@ -20,6 +20,7 @@ struct dls_solver {
   const dlsi_method *method;
   void *work;         /* of the method */
   dlsi_formed formed; /* W of bodies by blocks, for methods that want them */
+  dlsi_units units;   /* a copy of the problem, if it needs one */
   double *room;       /* of the prediction of the error; NULL: none is made, or auto makes it */
   double *last;       /* m: r of the last solve, of last_nc contacts; NULL: no next one is mapped */
   int last_nc, mapped; /* mapped: contacts of the map; -1: there is none */
@@ -227,7 +228,6 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   if (!solver->method->takes_bodies) status = dlsi_form_blocks(&solver->formed, &problem, error);
   if (!status) status = solver->method->solve(solver->work, problem, r, u, info, error);
   status = solver_take_least(solver, problem, begun, status, r, u, info, error);
-  solver->status = status;
   if (info && (status == DLS_OK || status == DLS_TO_ROUNDING))
     solver_predict(solver, problem, r, info);
   if (status >= 0 && info && limits->progress) solver_tell_last(limits, begun, info, r);
@@ -257,6 +257,22 @@ static dls_status solver_check_friction(const dls_solver_settings *s, const dls_
   return dlsi_refuse_bonded(problem, error);
 }
 
+/* Solves a problem that has been checked, in units of its own if it needs them. */
+static dls_status solver_run(dls_solver *solver, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error) {
+  dlsi_scaled scaled;
+  dls_limits *limits = &solver->settings.limits;
+  const dls_limits given = *limits;
+  dls_status status =
+      dlsi_scaled_begin(&scaled, &solver->units, &problem, &r, &u, &info, limits, error);
+  if (limits->progress != given.progress) solver->method->set_limits(solver->work, limits);
+  if (!status && !is_answered(&solver->settings, problem, r, u, info))
+    status = solver_solve(solver, problem, r, u, info, error);
+  if (limits->progress != given.progress) solver->method->set_limits(solver->work, &given);
+  *limits = given;
+  return solver->status = dlsi_scaled_end(&scaled, status, error);
+}
+
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
   DLSI_DOOR;
@@ -267,8 +283,7 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   if (!status) status = dlsi_enter(&solver->busy, "solver", error);
   if (status) return dlsi_at(__func__, status, error);
   solver->status = DLS_OK;
-  if (!is_answered(&solver->settings, problem, r, u, info))
-    status = solver_solve(solver, problem, r, u, info, error);
+  status = solver_run(solver, problem, r, u, info, error);
   if (status >= 0) solver_remember(solver, problem, r);
   return dlsi_at(__func__, dlsi_leave(&solver->busy, status), error);
 }
@@ -336,6 +351,7 @@ void dls_solver_destroy(dls_solver *solver) {
   if (!solver) return;
   solver->method->destroy(solver->work);
   dlsi_formed_free(&solver->formed);
+  dlsi_units_free(&solver->units);
   dlsi_least_destroy(solver->least);
   free(solver->room);
   free(solver->last);
@@ -343,17 +359,13 @@ void dls_solver_destroy(dls_solver *solver) {
   free(solver);
 }
 
-static dls_status solve_once(const dls_contact *problem, const dls_solver_settings *settings,
-                             double *r, double *u, dls_info *info, dls_error *error) {
-  dls_solver solver = {.settings = {.size = 0}};
-  dls_solver_settings_init(&solver.settings);
-  if (settings) solver.settings = *settings;
+/* Solves a problem that has been checked, in a workspace of its own. */
+static dls_status solve_in_passing(const dls_contact *problem, const dls_solver_settings *settings,
+                                   double *r, double *u, dls_info *info, dls_error *error) {
+  dls_solver solver = {.settings = *settings};
   dls_solver_settings *s = &solver.settings;
-  dls_status status = dlsi_check_contact(problem, error);
-  if (!status) status = dlsi_solver_check(s, error);
-  if (!status) status = dlsi_check_start(problem, r, u, s->limits.warm_start, error);
-  if (!status) status = solver_check_friction(s, problem, error);
-  if (status || is_answered(s, problem, r, u, info)) return status;
+  dls_status status = DLS_OK;
+  if (is_answered(s, problem, r, u, info)) return status;
   solver.d = problem->d;
   solver.nc = problem->nc;
   if (!dlsi_method_of(s->method)->takes_bodies)
@@ -366,6 +378,25 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
   dlsi_formed_free(&solver.formed);
   dlsi_least_destroy(solver.least);
   free(solver.room);
+  return status;
+}
+
+static dls_status solve_once(const dls_contact *problem, const dls_solver_settings *settings,
+                             double *r, double *u, dls_info *info, dls_error *error) {
+  dls_solver_settings s;
+  dlsi_scaled scaled;
+  dlsi_units units = {.W = 0};
+  dls_solver_settings_init(&s);
+  if (settings) s = *settings;
+  dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = dlsi_solver_check(&s, error);
+  if (!status) status = dlsi_check_start(problem, r, u, s.limits.warm_start, error);
+  if (!status) status = solver_check_friction(&s, problem, error);
+  if (status) return status;
+  status = dlsi_scaled_begin(&scaled, &units, &problem, &r, &u, &info, &s.limits, error);
+  if (!status) status = solve_in_passing(problem, &s, r, u, info, error);
+  status = dlsi_scaled_end(&scaled, status, error);
+  dlsi_units_free(&units);
   return status;
 }
 

@@ -1,6 +1,8 @@
-/* test_number.c: norms to the last entry and beyond the range of squares, drawn numbers. */
+/* test_number.c: norms to the last entry and beyond the range of squares, drawn
+ * numbers, whole numbers. */
 #include <check.h>
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 
 #include "base/base.h"
@@ -59,7 +61,38 @@ START_TEST(drawn_numbers_are_those_of_splitmix64) {
 }
 END_TEST
 
+/* Digits alone, within the range; the place behind them. */
+START_TEST(whole_numbers) {
+  static const struct {
+    const char *text;
+    int least, most, value, taken; /* taken: characters, 0: refused */
+  } cases[] = {{"12x", 1, 99, 12, 2},
+               {"007", 1, 7, 7, 3},
+               {"2147483647", 0, INT_MAX, INT_MAX, 10},
+               {"2147483648", 0, INT_MAX, 0, 0},
+               {"4294967298", 0, INT_MAX, 0, 0},
+               {"18446744073709551618", 0, INT_MAX, 0, 0},
+               {"340282366920938463463374607431768211458", 0, INT_MAX, 0, 0},
+               {"0", 1, 9, 0, 0},
+               {"0", 0, 0, 0, 1},
+               {"10", 0, 9, 0, 0},
+               {"", 0, 9, 0, 0},
+               {" 1", 0, 9, 0, 0},
+               {"+1", 0, 9, 0, 0},
+               {"-1", 0, 9, 0, 0},
+               {"x1", 0, 9, 0, 0}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    const char *at = cases[k].text;
+    int value = -7;
+    const int taken = dlsi_read_whole(&at, cases[k].least, cases[k].most, &value);
+    ck_assert_int_eq(taken, cases[k].taken > 0);
+    ck_assert_int_eq((int)(at - cases[k].text), cases[k].taken);
+    ck_assert_int_eq(value, taken ? cases[k].value : -7);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("number", NULL, NULL, ONCE(the_largest_anywhere), ONCE(norms_at_the_ends_of_the_range),
-             ONCE(drawn_numbers_are_those_of_splitmix64));
+             ONCE(drawn_numbers_are_those_of_splitmix64), ONCE(whole_numbers));
 }

@@ -175,9 +175,65 @@ START_TEST(little_address_space) {
 }
 END_TEST
 
+/* Returns the exit status of the program under a limit of the shell. */
+static int run_within(const char *limit, const char *arguments) {
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[600];
+  (void)snprintf(command, sizeof command,
+                 "cd %s && p=%s%s && ulimit %s && env -i PATH=$PATH "
+                 "OPENBLAS_NUM_THREADS=1 timeout 100 $p %s >out 2>&1",
+                 directory, program && program[0] == '/' ? "" : "$OLDPWD/",
+                 program ? program : "build/delassus", limit, arguments);
+  const int status = system(command);
+  ck_assert(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+/* A file may not grow further, as on a full disk: the error has a name, the rows that were written
+ * stay, and nothing else does. */
+START_TEST(no_room_for_files) {
+  static const struct {
+    const char *limit, *arguments, *table, *head;
+  } runs[] = {
+      {"-f 6", "scene indentation --mesh 6x4 --no-pictures --out o", "o/force.csv", "travel,"},
+      {"-f 1", "scene indentation --mesh 6x4 --no-pictures --out o", "o/force.csv", "travel,"},
+      {"-f 20", "scene block-drop --no-pictures --out o", "o/energy.csv", "t,kinetic"},
+      {"-f 2", "map jean-fig4 --rows 4 --out o", "o/map.csv", "row,mu"}};
+  for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
+    ck_assert_int_eq(run_within(runs[k].limit, runs[k].arguments), 2);
+    const char *text = contents("out");
+    ck_assert_msg(strstr(text, "File too large") != NULL, "%zu: %s", k, text);
+    text = contents(runs[k].table);
+    const char *row = strchr(text, '\n');
+    ck_assert_msg(strncmp(text, runs[k].head, strlen(runs[k].head)) == 0, "%zu: %s", k, text);
+    ck_assert_msg(row && row[1] && text[strlen(text) - 1] == '\n', "%zu: %s", k, text);
+    ck_assert_int_eq(
+        run_within("-f 1000", "-V >/dev/null; test -z \"$(find . -name '.delassus*')\""), 0);
+    ck_assert_int_eq(run_within("-f 1000", "-V >/dev/null; rm -r o"), 0);
+  }
+}
+END_TEST
+
+/* A stack of 96 kB is enough. */
+START_TEST(little_stack) {
+#ifdef __SANITIZE_ADDRESS__
+  return; /* takes more of it */
+#endif
+  static const char *const calls[] = {"solve -q ", "report --quick -q --out o ", "info -q ",
+                                      "chart -r 1 -q --out o2 ", "map --rows 2 -q --out o3 "};
+  char arguments[300], cwd[200];
+  ck_assert_ptr_nonnull(getcwd(cwd, sizeof cwd));
+  for (size_t k = 0; k < sizeof calls / sizeof *calls; k++) {
+    (void)snprintf(arguments, sizeof arguments, "%s%s/data/failures/c20-scales.txt", calls[k], cwd);
+    ck_assert_msg(run_within("-s 96", arguments) == 0, "%s", arguments);
+  }
+}
+END_TEST
+
 int main(void) {
-  return RUN(
-      "endings", make_directory, remove_directory, EACH(last_line_in_words, 0, ENDINGS_OF_ALL),
-      ONCE(json_stands_alone), ONCE(verbose_goes_to_stderr), ONCE(colour_unless_no_color),
-      ONCE(interrupted_is_not_solved), ONCE(reading_ends_at_once), ONCE(little_address_space));
+  return RUN("endings", make_directory, remove_directory,
+             EACH(last_line_in_words, 0, ENDINGS_OF_ALL), ONCE(json_stands_alone),
+             ONCE(verbose_goes_to_stderr), ONCE(colour_unless_no_color),
+             ONCE(interrupted_is_not_solved), ONCE(reading_ends_at_once),
+             ONCE(little_address_space), ONCE(no_room_for_files), ONCE(little_stack));
 }

@@ -218,6 +218,39 @@ START_TEST(one_h_one_list_and_npy) {
 }
 END_TEST
 
+/* A header that is none: beyond the range of an int, which 32 bits would cut to 2 x 2; a version
+ * that there is not; a shape cut short. */
+START_TEST(npy_headers) {
+  static const struct {
+    int version;
+    const char *shape;
+    int status;
+  } headers[] = {{1, "(2, 2)", 0},           {3, "(2, 2)", 0},
+                 {9, "(2, 2)", 2},           {0, "(2, 2)", 2},
+                 {1, "(4294967298, 2)", 2},  {1, "(2, 4294967298)", 2},
+                 {1, "(65536, 65536)", 2},   {1, "(2, 2", 2},
+                 {1, "(2, -2)", 2},          {1, "(2, 2, 1)", 2},
+                 {1, "(-4294967294, 2)", 2}, {1, "()", 2}};
+  put("q.txt", "-1\n.5\n");
+  for (size_t k = 0; k < sizeof headers / sizeof *headers; k++) {
+    static const double W[4] = {2, 0, 0, 2};
+    char header[128];
+    const int length = snprintf(header, sizeof header,
+                                "{'descr': '<f8', 'fortran_order': False, "
+                                "'shape': %s, }\n",
+                                headers[k].shape);
+    FILE *file = begin("W.npy");
+    fprintf(file, "\x93NUMPY%c%c%c%c", headers[k].version, 0, length, 0);
+    if (headers[k].version > 1) fwrite("\0", 1, 2, file);
+    fputs(header, file);
+    fwrite(W, sizeof *W, 4, file);
+    ck_assert_int_eq(fclose(file), 0);
+    ck_assert_msg(run("solve --W @/W.npy --q @/q.txt --mu .3 --dim 2") == headers[k].status,
+                  "%d %s: %s", headers[k].version, headers[k].shape, output);
+  }
+}
+END_TEST
+
 /* The point of examples/point.c, with the numbers of CalculiX: node 7 is held in z. */
 /* What can be read once only is read once: pipes, standard input. No copy stays. */
 START_TEST(pipes) {
@@ -438,7 +471,7 @@ END_TEST
 
 int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
-             ONCE(one_h_one_list_and_npy), ONCE(pipes), ONCE(mark_and_exponents),
+             ONCE(one_h_one_list_and_npy), ONCE(npy_headers), ONCE(pipes), ONCE(mark_and_exponents),
              ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(bad_matrices_are_2),
              ONCE(last_line), ONCE(entries_of_all_sizes));
 }

@@ -329,6 +329,35 @@ START_TEST(an_apostrophe_is_drawn) {
 }
 END_TEST
 
+/* A spreadsheet takes no name for a formula; a page shows no mark that turns a line. */
+START_TEST(names_that_compute_or_turn) {
+  static const char *const signs[] = {"=", "+", "@"};
+  make_problem("plain.txt");
+  for (size_t k = 0; k < sizeof signs / sizeof *signs; k++) {
+    char name[40], cell[40];
+    (void)snprintf(name, sizeof name, "%scmd|x.txt", signs[k]);
+    (void)snprintf(cell, sizeof cell, "\n'%scmd|x", signs[k]);
+    make_problem(name);
+    const char *const map[] = {"map", "-q", "--rows", "2", "--out=f", name, "plain.txt", NULL};
+    ck_assert_int_eq(run_there(map), 0);
+    ck_assert(read_there("f/map.csv"));
+    ck_assert_msg(strstr(text, cell) != NULL, "%s", text);
+  }
+  make_titled("turned.txt", "exe.\xe2\x80\xaetxt.\xe2\x81\xa6");
+  make_problem("a\xe2\x80\xaetxt.b");
+  const char *const report[] = {"report", "-q", "--quick", "--out=h", "a\xe2\x80\xaetxt.b", NULL};
+  const char *const titled[] = {"report", "-q", "--quick", "--out=h", "turned.txt", NULL};
+  ck_assert_int_eq(run_there(report), 0);
+  ck_assert_int_eq(run_there(titled), 0);
+  char command[300];
+  (void)snprintf(command, sizeof command,
+                 "ls %s/h/*.html >/dev/null && ! cat %s/h/*.html | LC_ALL=C grep -q "
+                 "$(printf '\\342\\200\\256')",
+                 directory, directory);
+  ck_assert_int_eq(system(command), 0);
+}
+END_TEST
+
 /* Errors show the controls of what they are about; the words stand on one line. */
 START_TEST(errors_escape_controls) {
   static const char strange[] = "no\033[31m\n\xff\xe2\x80\xae";
@@ -360,5 +389,5 @@ int main(void) {
   const int rounds = given ? atoi(given) : 4;
   return RUN("names", make_directory, remove_directory, ONCE(names_that_mean_something),
              EACH(names_of_any_bytes, 0, rounds), ONCE(an_apostrophe_is_drawn),
-             ONCE(errors_escape_controls));
+             ONCE(names_that_compute_or_turn), ONCE(errors_escape_controls));
 }

@@ -427,6 +427,119 @@ START_TEST(solver_on_K_finds_the_host) {
 }
 END_TEST
 
+/* Leaves traps and another rounding to whoever called. */
+static void spoil(void) {
+  (void)fesetround(rounding);
+#ifdef __GLIBC__
+  (void)feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW | FE_UNDERFLOW | FE_INEXACT);
+#endif
+}
+
+static int spoil_progress(void *data, const dls_progress *progress) {
+  (void)progress;
+  host_calls++;
+  if (*(int *)data) spoil();
+  return 0;
+}
+
+/* K = 3 I by the host. */
+static int spoil_solve(void *user, double *X, int n, int nrhs) {
+  host_calls++;
+  for (int i = 0; i < n * nrhs; i++)
+    X[i] /= 3;
+  if (*(int *)user) spoil();
+  return 0;
+}
+
+static dls_status spoil_prepare(void *user, const double *R, dls_error *error) {
+  (void)R, (void)error;
+  host_calls++;
+  if (*(int *)user) spoil();
+  return DLS_OK;
+}
+
+/* A = 3 I + R, which the dense K and one node have; R is left out: the answer is not exact. */
+static dls_status spoil_solve_on_K(void *user, const double *b, double *x, double accuracy,
+                                   dls_error *error) {
+  (void)accuracy, (void)error;
+  host_calls++;
+  for (int i = 0; i < 2; i++)
+    x[i] = b[i] / 4;
+  if (*(int *)user) spoil();
+  return DLS_OK;
+}
+
+/* Runs every kind of callback. r: answers. */
+static void run_spoiled(int spoils, double r[2][most]) {
+  static const int column[] = {0, 1}, normal[] = {0}, tangent[] = {1};
+  static const double one[] = {1}, K[4] = {3, 0, 0, 3}, f[2] = {-1, .3};
+  dls_model m = {.d = 2,
+                 .n = 2,
+                 .nodes = 1,
+                 .operator_kind = DLS_HOST_SOLVER,
+                 .solve = spoil_solve,
+                 .user = &spoils,
+                 .HN = {2, 1, column, normal, one},
+                 .HT = {2, 1, column, tangent, one}};
+  const double mu = .2;
+  dls_solver_settings s;
+  dls_reduction *R = NULL;
+  dls_global *G = NULL;
+  dls_info info;
+  dls_solver_settings_init(&s);
+  s.limits.progress = spoil_progress;
+  s.limits.progress_data = &spoils;
+  memset(r[0], 0, sizeof r[0]);
+  memset(r[1], 0, sizeof r[1]);
+  dls_status status = dls_reduction_create(&R, &m, NULL);
+  if (!status) status = dls_reduction_load(R, f, NULL, NULL);
+  if (!status) status = dls_reduction_solve(R, &mu, &s, r[0], r[0] + 2, r[0] + 4, &info, NULL);
+  dls_reduction_destroy(R);
+  m.operator_kind = DLS_STIFFNESS_DENSE;
+  m.factorization = DLS_CHOLESKY;
+  m.K = (dls_dense){2, 2, 2, K};
+  const dls_global_solver solver = {&spoils, spoil_prepare, spoil_solve_on_K};
+  s.limits.max_iterations = 20;
+  if (!status) status = dls_global_create_with(&G, &m, &solver, NULL);
+  if (!status) status = dls_global_solve(G, f, NULL, &mu, &s.limits, r[1], r[1] + 2, &info, NULL);
+  dls_global_destroy(G);
+  r[0][most - 1] = (double)status;
+}
+
+/* A callback that unmasks traps and rounds otherwise changes no bit, and ends nothing. */
+START_TEST(callbacks_leave_what_they_like) {
+  static double r[4][most];
+  model a;
+  numbered_model(&a, 7);
+  host_calls = 0;
+  for (int spoils = 0; spoils < 2; spoils++) {
+    set_plain();
+    run_spoiled(spoils, r + 2 * spoils);
+    ck_assert_int_eq(traps_now(), 0);
+    ck_assert_int_eq(fegetround(), FE_TONEAREST);
+  }
+  ck_assert_int_gt(host_calls, 10);
+  ck_assert_mem_eq(r[0], r[2], 2 * sizeof r[0]);
+  for (int method = 0; method < method_count(); method++) {
+    for (int spoils = 0; spoils < 2; spoils++) {
+      dls_solver_settings s;
+      dls_solver_settings_init(&s);
+      s.method = (dls_method)method;
+      s.limits.progress = spoil_progress;
+      s.limits.progress_data = &spoils;
+      set_plain();
+      const dls_status status = dls_solve(&a.p, &s, r[spoils], r[2 + spoils], NULL, NULL);
+      ck_assert_int_eq(traps_now(), 0);
+      ck_assert_int_eq(fegetround(), FE_TONEAREST);
+      ck_assert_int_ge(status, 0);
+    }
+    const size_t bytes = (size_t)a.p.d * (size_t)a.p.nc * sizeof(double);
+    ck_assert_mem_eq(r[0], r[1], bytes);
+    ck_assert_mem_eq(r[2], r[3], bytes);
+  }
+}
+END_TEST
+
 /* Tasks of helpers, whose threads begin while the host has its traps on. */
 typedef struct helpers {
   pthread_t host;
@@ -460,5 +573,6 @@ int main(void) {
   return RUN("traps", NULL, set_plain, ONCE(every_failure), ONCE(every_lcp),
              EACH(every_file, 0, fclib_count), ONCE(progress_finds_the_host),
              ONCE(plain_host_keeps_its_flags), ONCE(solver_finds_the_host), EACH(on_K, 0, 3),
-             ONCE(solver_on_K_finds_the_host), ONCE(helpers_hold_the_host));
+             ONCE(solver_on_K_finds_the_host), ONCE(callbacks_leave_what_they_like),
+             ONCE(helpers_hold_the_host));
 }

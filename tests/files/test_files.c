@@ -895,11 +895,11 @@ START_TEST(fclib_claims) {
 }
 END_TEST
 
-/* Deflate holds more values than bytes: as many as it can, no matter in how large pieces. */
+/* Deflate holds more values than bytes: as many as it can. */
 START_TEST(fclib_deflated) {
   static const struct {
     size_t count, chunk;
-  } sets[] = {{64, 1}, {64, 4000000}, {4000000, 4000000}, {4000000, 1000}};
+  } sets[] = {{64, 1}, {64, 65536}, {4000000, 65536}, {4000000, 1000}};
   for (size_t k = 0; k < sizeof sets / sizeof sets[0]; k++) {
     dls_fclib *file;
     dls_error error = {0};
@@ -907,6 +907,52 @@ START_TEST(fclib_deflated) {
     patch_odd("fclib_local/W/i", sets[k].count, 4, sets[k].chunk, 0);
     ck_assert_msg(dls_fclib_read(&file, path, &error) == DLS_OK, "%zu: %s", k, error.message);
     dls_fclib_destroy(file);
+  }
+}
+END_TEST
+
+/* Lets this process have so many megabytes more than it has; -1: all. Not under the address
+ * sanitizer, which takes terabytes of addresses. */
+static void allow_memory(int megabytes) {
+#ifndef __SANITIZE_ADDRESS__
+  unsigned long pages = 0;
+  FILE *file = fopen("/proc/self/statm", "r");
+  if (!file) return; /* not on this system */
+  ck_assert_int_eq(fscanf(file, "%lu", &pages), 1);
+  (void)fclose(file);
+  struct rlimit most;
+  ck_assert_int_eq(getrlimit(RLIMIT_AS, &most), 0);
+  most.rlim_cur = most.rlim_max;
+  if (megabytes >= 0)
+    most.rlim_cur = pages * (rlim_t)sysconf(_SC_PAGESIZE) + ((rlim_t)megabytes << 20);
+  ck_assert_int_eq(setrlimit(RLIMIT_AS, &most), 0);
+#else
+  (void)megabytes;
+#endif
+}
+
+/* SECURITY.md: a few values in one large chunk, here of 120 MB, take no memory out of proportion,
+ * nor do many values of which a few are wanted. */
+START_TEST(fclib_takes_memory_in_proportion) {
+  static const struct {
+    size_t count, chunk;
+    dls_status status;
+  } sets[] = {{64, 30000000, DLS_E_FORMAT},
+              {30000000, 30000000, DLS_E_FORMAT},
+              {64, 131073, DLS_E_FORMAT},
+              {64, 131072, DLS_OK}};
+  for (size_t k = 0; k < sizeof sets / sizeof sets[0]; k++) {
+    dls_fclib *file;
+    dls_error error = {0};
+    ck_assert_int_eq(write_local2(NULL), DLS_OK);
+    patch_odd("fclib_local/W/i", sets[k].count, 4, sets[k].chunk, 0);
+    allow_memory(64);
+    ck_assert_int_eq(dls_fclib_read(&file, path, &error), sets[k].status);
+    allow_memory(-1);
+    if (file)
+      dls_fclib_destroy(file);
+    else
+      ck_assert_str_eq(error.argument, "W/i");
   }
 }
 END_TEST
@@ -1511,6 +1557,7 @@ int main(void) {
       ONCE(no_candidates_round_trip),
       ONCE(fclib_claims),
       ONCE(fclib_deflated),
+      ONCE(fclib_takes_memory_in_proportion),
       ONCE(fclib_links_stay_inside),
       ONCE(other_layouts),
       EACH(broken_local_file, 0, (int)(sizeof broken_local / sizeof broken_local[0])),
