@@ -190,8 +190,8 @@ START_TEST(serves_loosely) {
 }
 END_TEST
 
-/* W = 1 but for two contacts with the same rows and columns: where both press, S = 1 - 1 = 0 without
- * rounding, the matrix is singular, and x stays. */
+/* W = 1 but for two contacts with the same rows and columns: where both press, S = 1 - 1 = 0 is not
+ * rounded, the matrix is singular, and x stays. */
 START_TEST(singular_states) {
   dlsi_branch b[nc];
   double x[most_rows], before[most_rows];

@@ -15,8 +15,8 @@
  *   build/tests/tuning/test_trails print [REASON]
  *
  * compares, too, and writes the file. If a run is worse, it needs a reason, which becomes a line of
- * the file that begins with #. It solves each problem again with W and q disturbed by rounding: counts that
- * this changes would differ between processors, too. The line of a problem:
+ * the file that begins with #. It solves each problem again with W and q disturbed by rounding:
+ * counts that this changes would differ between processors, too. The line of a problem:
  *
  *   NAME HASH SWEEPS/FACTORISATIONS/STEPS FACTS RUN ..
  *   HASH   of all counts of the runs without ~
