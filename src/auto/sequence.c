@@ -115,9 +115,10 @@ void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u
   const dls_contact *problem = work->problem;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const auto_answer oldest = work->former;
-  const int last = work->info.stages - 1;
-  if (!u && work->info.status == DLS_OK && !work->has_copy && last >= 0 &&
-      work->info.stage[last].method == DLS_NEWTON)
+  const dls_info *info = &work->info;
+  const dls_stage *line = info->stages ? &info->stage[info->stages - 1] : NULL;
+  if (!u && info->status == DLS_OK && !work->has_copy && line && line->step == DLS_STEP_NEWTON &&
+      line->residual == info->certificate.residual)
     u = dlsi_newton_gap(work->part[NEWTON]);
   work->answers = work->answers && work->last_nc == problem->nc ? 2 : 1;
   work->last_nc = problem->nc;

@@ -158,6 +158,57 @@ START_TEST(a_plan_less_a_step) {
 }
 END_TEST
 
+/* Three steps of a load, each from the answer before; r: 3 x 4, of all of them. Returns the last
+ * status. */
+static dls_status follow_load(const dls_solver_settings *s, double *u, dls_info *info, double *all) {
+  double W[16] = {2, .5, .3, 0, .5, 1, 0, .2, .3, 0, 1.5, .4, 0, .2, .4, 1};
+  double q[4] = {-1, .3, -.5, -.2}, mu[2] = {.4, .6};
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  dls_solver *solver;
+  dls_status status = dls_solver_create(&solver, 2, 2, s, NULL);
+  memset(all, 0, 12 * sizeof *all);
+  for (int step = 0; step < 3 && status >= 0; step++) {
+    double *now = all + 4 * step;
+    if (step) memcpy(now, now - 4, 4 * sizeof *now);
+    q[0] -= .1;
+    status = dls_solver_solve(solver, &p, now, u, info, NULL);
+    (void)dls_solver_direction(solver);
+    (void)dls_solver_farkas(solver);
+  }
+  dls_solver_destroy(solver);
+  return status;
+}
+
+/* Every word of a plan with every step left out, warm and cold: a NULL for u or info changes no
+ * bit of r. */
+START_TEST(outputs_that_nobody_wants) {
+  enum { words = DLS_STEP_ON_K + 1, more = 4 };
+  const char *plans[words + more] = {"homotopy,scatter", "sweeps:1,scatter",
+                                     "newton:1,splitting,newton"};
+  const char *left[words + more] = {
+      "newton,sweeps", "newton,anderson,momentum,sweeps,convex",
+      "newton,lemke,homotopy,splitting,augmented-lagrangian,anderson,momentum,sweeps,convex,"
+      "cold-splitting,near-splitting"};
+  for (int k = 0; k < words; k++)
+    if (k != DLS_STEP_INTERIOR && k != DLS_STEP_ON_K)
+      plans[more + k] = left[more + k] = dls_step_name((dls_step)k);
+  for (int a = 0; a < words + more; a++)
+    for (int b = 0; b < words + more; b++)
+      for (int warm = 0; warm < 2; warm++) {
+        double u[4], all[2][12];
+        dls_info info;
+        dls_solver_settings s = given(plans[a], left[b]);
+        s.limits.warm_start = warm;
+        const dls_status status = follow_load(&s, u, &info, all[0]);
+        ck_assert_int_ge(status, 0);
+        for (int k = 0; k < 3; k++) {
+          ck_assert_int_eq(follow_load(&s, k & 1 ? u : NULL, k & 2 ? &info : NULL, all[1]), status);
+          ck_assert_mem_eq(all[0], all[1], sizeof all[0]);
+        }
+      }
+}
+END_TEST
+
 /* Auto's own plans without one of the steps that it takes: the others as before, up to there. */
 START_TEST(without_a_step) {
   const dls_contact p = hard();
@@ -449,7 +500,7 @@ END_TEST
 int main(void) {
   return RUN("plans", NULL, NULL, ONCE(steps_have_names_and_reasons), ONCE(words),
              ONCE(a_plan_is_followed), ONCE(a_plan_is_followed_once), ONCE(forecasts_in_a_plan),
-             ONCE(a_plan_less_a_step), ONCE(without_a_step), ONCE(wrong_words),
+             ONCE(outputs_that_nobody_wants), ONCE(a_plan_less_a_step), ONCE(without_a_step), ONCE(wrong_words),
              ONCE(words_are_read_once), ONCE(not_applicable), ONCE(limits_of_the_caller),
              ONCE(proofs), ONCE(seconds_of_each_step), EACH(names_of_what_ran, 0, 4),
              EACH(last_digits_after_a_short_path, 0, 4), ONCE(no_last_digits_far_from_an_answer),
