@@ -508,14 +508,14 @@ check-faults: $(BUILD)/tests/torment/faults
 	@OPENBLAS_NUM_THREADS=1 $< --most=16
 
 .PHONY: fuzz check-fuzz
-FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion doors
+FUZZ_TARGETS = fclib sets mtx text calculix program tables plans lcp contact reduction motion doors calls
 FUZZ_SECONDS ?= 60
 # under the sanitizers; a target of libFuzzer is told by the program's name
 FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'
 fuzz:
 	@if command -v clang >/dev/null; then tests/torment/fuzz.sh '$(MAKE)' $(BUILD)/fuzz $(FUZZ_SECONDS) $(FUZZ_TARGETS); else \
 	  $(MAKE) --no-print-directory $(BUILD)/fuzz/tests/torment/fuzz $(FUZZ_FLAGS) SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all' && \
-	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz; fi
+	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz $(FUZZ_TARGETS); fi
 
 # without clang and sanitizers: memory and time, too
 FUZZ ?= --seconds=2

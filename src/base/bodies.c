@@ -86,6 +86,7 @@ void dlsi_bodies_multiply(const dls_contact *problem, const int *order, const do
   const size_t room = (size_t)problem->bodies.n * (size_t)problem->bodies.count;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double *work = problem->bodies.work;
+  if (m == 0) return; /* work may be NULL */
   memset(work, 0, room * sizeof *work);
 #define GATHER(d, n) bodies_gather(d, n, problem, order, r)
   BY_SIZE(GATHER);
