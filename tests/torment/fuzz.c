@@ -17,6 +17,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -468,7 +469,8 @@ int main(int argc, char **argv) {
     else
       return (void)fprintf(stderr, "fuzz: '%s' is no option\n", argv[k]), 2;
   }
-  if (k + 1 < argc && access(argv[k + 1], R_OK) == 0) {
+  struct stat entry; /* the folders lcp and reduction are targets */
+  if (k + 1 < argc && stat(argv[k + 1], &entry) == 0 && S_ISREG(entry.st_mode)) {
     static outcome out;
     const fuzz_target *t = find_target(argv[k]);
     for (k++; k < argc; k++) {
