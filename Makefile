@@ -299,6 +299,8 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(FILES) $(A)
 # 1: smaller problems in the longest tests, the same assertions: for a processor that qemu stands for
 TEST_SMALL ?= 0
 $(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0) -DTEST_SMALL=$(TEST_SMALL)
+# a test of the program runs the program of this tree
+$(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/cli/test_*.c)): | $(PROGRAM)
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
@@ -378,8 +380,8 @@ valgrind: all $(TESTS) $(LANGUAGES)
 
 .PHONY: check-symbols
 check-symbols: $(SO) $(A) $(FILES_SO) $(FILES)
-	@tests/check_symbols.sh $(SO) $(A)
-	@tests/check_symbols.sh $(FILES_SO) $(FILES)
+	@CC='$(CC)' tests/check_symbols.sh $(SO) $(A)
+	@CC='$(CC)' tests/check_symbols.sh $(FILES_SO) $(FILES)
 
 # what compiled hosts rely on, beside the table tests/abi.txt; make abi writes the table
 .PHONY: check-abi abi
@@ -506,14 +508,14 @@ check-faults: $(BUILD)/tests/torment/faults
 	@OPENBLAS_NUM_THREADS=1 $< --most=16
 
 .PHONY: fuzz check-fuzz
-FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion doors
+FUZZ_TARGETS = fclib sets mtx text calculix program tables plans lcp contact reduction motion doors calls
 FUZZ_SECONDS ?= 60
 # under the sanitizers; a target of libFuzzer is told by the program's name
 FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'
 fuzz:
 	@if command -v clang >/dev/null; then tests/torment/fuzz.sh '$(MAKE)' $(BUILD)/fuzz $(FUZZ_SECONDS) $(FUZZ_TARGETS); else \
 	  $(MAKE) --no-print-directory $(BUILD)/fuzz/tests/torment/fuzz $(FUZZ_FLAGS) SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all' && \
-	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz; fi
+	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz $(FUZZ_TARGETS); fi
 
 # without clang and sanitizers: memory and time, too
 FUZZ ?= --seconds=2
@@ -575,6 +577,8 @@ bench-scale:
 	gnuplot -e "dir='$(RESULTS)/'" bench/scale.gp
 # these need nothing but the library
 FCLIB ?= data/fclib
+# their programs take the problems of FCLIB, which the head of the page names as the command does
+bench-auto bench-least bench-prove: export WRITTEN_BY = make $@$(if $(BENCH), BENCH='$(BENCH)',$(if $(filter file,$(origin FCLIB)),, FCLIB=DIR))
 AUTO_PROBLEMS = $(FCLIB)/*.hdf5 plane-200 plane-500 contact-6 contact-10 contact-16 contact-22
 bench-auto: $(BUILD)/bench/auto
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),$(AUTO_PROBLEMS))

@@ -142,9 +142,13 @@ FILE *bench_page(const char *directory, const char *name, const char *title, int
       k++;
     else
       append_argument(options, sizeof options, argv[k]);
-  const char *slash = strrchr(argv[0], '/');
-  fprintf(page, "# %s\n\nWritten by `make bench-%s", title, slash ? slash + 1 : argv[0]);
-  if (*options) fprintf(page, " BENCH='%s'", options);
+  const char *slash = strrchr(argv[0], '/'), *command = getenv("WRITTEN_BY");
+  fprintf(page, "# %s\n\nWritten by `", title);
+  if (command)
+    fputs(command, page);
+  else
+    fprintf(page, "make bench-%s", slash ? slash + 1 : argv[0]);
+  if (!command && *options) fprintf(page, " BENCH='%s'", options);
   fputs("`: ", page);
   print_date(page);
   print_processor(page);

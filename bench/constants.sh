@@ -31,7 +31,9 @@ solved=$1 all=$2 mean=$3
 cat <<HEAD
 # What each constant of auto is worth
 
-Written by \`SEED=$seed bench/constants.sh\`: $all generated problems (bench/auto_total.c), 24 to 500 contacts, to 1e-6 and
+Written by \`SEED=$seed bench/constants.sh\`: $(date -u '+%d %B %Y'), commit $(git describe --always --dirty=' and changes'), $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //').
+
+$all generated problems (bench/auto_total.c), 24 to 500 contacts, to 1e-6 and
 1e-8. Unchanged, auto solves $solved of them, at $mean sweeps (geometric mean of the cost by src/auto/price.c, which is
 the same in every run). Change of that cost with half and twice the constant; in brackets the change of the number solved.
 0: the constant has no effect on these problems; the table in src/auto/constants.h has the reason for its value.

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "global_internal.h"
+#include "linear/blas.h"
 
 enum { most_iterations = 5000, window = 10, most_landings = 3 };
 
@@ -196,8 +197,9 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
   matrices of;
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  dls_status status =
-      body ? matrices_create_on(&of, model, body, error) : matrices_create(&of, model, error);
+  dls_status status = dlsi_check_blas(error);
+  if (status) return status;
+  status = body ? matrices_create_on(&of, model, body, error) : matrices_create(&of, model, error);
   dls_global *work = status ? NULL : calloc(1, sizeof *work);
   if (!status && !work) status = dlsi_no_memory(error);
   if (status) {

@@ -1,5 +1,5 @@
 #!/bin/sh
-# check_symbols.sh LIB.so LIB.a: the shared library exports dls_* and nothing else, each symbol with the
+# CC=gcc check_symbols.sh LIB.so LIB.a: the shared library exports dls_* and nothing else, each symbol with the
 # version DELASSUS_0; it binds no name of MUMPS or of MPI, so that the host may have its own (mumps.o, the MUMPS in the
 # library, shows dlsi_dmumps alone); our own objects call nothing with a process-wide effect and hold no writable global but
 # lock_of_others (src/base/lock.c), which lets one thread at a time into MUMPS, METIS and HDF5, and, one in each
@@ -17,7 +17,17 @@ if [ -n "$hidden" ]; then echo "neither dls_* nor dlsi_*: $hidden"; bad=1; fi
 calls=$(nm -A --undefined-only "$2" 2>/dev/null | grep -v ':mumps.o:' | awk '{print $NF}' | sort -u |
   grep -x -E '_?exit|_Exit|abort|__assert_fail|printf|puts|putchar|vprintf|__printf_chk|__vprintf_chk|perror|signal|getenv|setenv|setlocale|s?rand|random|drand48|srandom|stdout|stderr|openblas_set_num_threads')
 if [ -n "$calls" ]; then echo "process-wide effects: $calls"; bad=1; fi
-globals=$(objdump -t "$2" | awk '/file format/ { mumps = $1 == "mumps.o:" } !mumps && NF > 3 && $(NF-2) ~ /^(\.data|\.bss|\*COM\*|\.tbss|\.tdata)(\.|$)/ && $(NF-2) !~ /^\.data\.rel\.ro/ && $NF !~ /^\./ && $NF != "lock_of_others" && $NF != "host_of_thread" {print $0}')
+# writable FILE: its writable globals, static, hidden or not
+writable() {
+  objdump -t "$1" | sed 's/ \.hidden / /' | awk '/file format/ { mumps = $1 == "mumps.o:" } !mumps && NF > 3 && $(NF-2) ~ /^(\.data|\.bss|\*COM\*|\.tbss|\.tdata)(\.|$)/ &&
+    $(NF-2) !~ /^\.data\.rel\.ro/ && $NF !~ /^\./ && $NF != "lock_of_others" && $NF != "host_of_thread"'
+}
+seen=$(mktemp)
+echo 'static int a; static _Thread_local int b = 1; int c, d = 1; int *e(void); int *e(void) { return a ? &a : &b; }' |
+  ${CC:-cc} -fPIC -fvisibility=hidden -xc -c -o "$seen" - || bad=1
+[ "$(writable "$seen" | wc -l)" = 4 ] || { echo 'check_symbols.sh does not see writable globals'; bad=1; }
+rm -f "$seen"
+globals=$(writable "$2")
 if [ -n "$globals" ]; then echo "writable globals:"; echo "$globals"; bad=1; fi
 [ $bad -eq 0 ] && echo "symbols: $(nm -D --defined-only "$1" | grep -c ' T dls_') functions dls_*, nothing else"
 exit $bad

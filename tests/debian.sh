@@ -3,7 +3,7 @@
 # libdelassus0 depends on no HDF5, MUMPS or MPI. Skipped with a line without dpkg-buildpackage, debhelper or lintian.
 set -eu
 for tool in dpkg-buildpackage dh dh_python3 lintian; do
-  command -v $tool > /dev/null || { echo "skipped: packages of Debian, no $tool"; exit 0; }
+  command -v $tool > /dev/null || { tests/skip.sh "packages of Debian, no $tool"; exit; }
 done
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT

@@ -24,9 +24,17 @@ python = os.environ.get("PYTHON")
 documents = ["README.md", "CONTRIBUTING.md"] + sorted(glob.glob("docs/*.md") + glob.glob("examples/*.md"))
 OF_TREE = r"\s*([A-Z_0-9]+=\S+ )*(make|\.ci/|build/|examples/|docs/|python3 examples|cc examples|dpkg-|pip)"
 failures = []
+
+
+def skip(what):
+    """Fails if NO_SKIP is set."""
+    if subprocess.run(["tests/skip.sh", what]).returncode:
+        failures.append(what)
+
+
 if not os.path.exists(".git"):
-    print("skipped: commands of the documents, no git")
-    sys.exit(0)
+    skip("commands of the documents, no git")
+    sys.exit(len(failures))
 
 
 def fail(where, what):
@@ -136,9 +144,12 @@ with tempfile.TemporaryDirectory() as root:
         program, is_new = "", False
 
         def run_program():
-            imports = set(re.findall(r"\b(?:h5py|matplotlib)\b", program))
-            if python and all(subprocess.run([python, "-c", "import " + name], stderr=subprocess.DEVNULL).returncode == 0
-                              for name in imports):
+            imports = {"numpy"} | set(re.findall(r"\b(?:h5py|matplotlib)\b", program))
+            missing = [name for name in sorted(imports) if not python or subprocess.run(
+                [python, "-c", "import " + name], stderr=subprocess.DEVNULL).returncode]
+            if missing:
+                skip(f"program of {document}, no {missing[0]}")
+            else:
                 run(document, [python, "-"], folder, environment, text=program)
 
         for start, language, lines in blocks(text):
@@ -160,7 +171,7 @@ with tempfile.TemporaryDirectory() as root:
                     if quick or not skips[command].startswith("slow"):
                         continue
                 if "python3" in command and not python:
-                    print(f"skipped: {document}, no python3 with numpy and scipy")
+                    skip(f"{document}, no python3 with numpy and scipy")
                     continue
                 place = tree if re.match(OF_TREE, command) else folder
                 if done.setdefault((command, place), document) != document:

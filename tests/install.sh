@@ -77,14 +77,14 @@ if command -v "${CXX:-c++}" > /dev/null; then
   ${CXX:-c++} -std=c++17 -o point-cpp point.cpp $flags
   check C++ ./point-cpp
 else
-  echo "skipped: C++, no ${CXX:-c++}"
+  "$work/tests/skip.sh" "C++, no ${CXX:-c++}"
 fi
 if command -v "${FC:-gfortran}" > /dev/null; then
   ${FC:-gfortran} -c "$tree/usr/include/delassus.f90"
   ${FC:-gfortran} -o point-f90 point.f90 delassus.o $flags
   check Fortran ./point-f90
 else
-  echo "skipped: Fortran, no ${FC:-gfortran}"
+  "$work/tests/skip.sh" "Fortran, no ${FC:-gfortran}"
 fi
 if [ -n "${PYTHON:-}" ]; then
   package=$(find "$tree" -type d -name delassus -path '*/python*')
@@ -92,7 +92,7 @@ if [ -n "${PYTHON:-}" ]; then
   # the wheel, the source package and an editable install: tests/packages.sh
   (cd "$work" && env -u LD_LIBRARY_PATH PYTHON="$PYTHON" tests/packages.sh "$tree/usr/lib/here/libdelassus.so.0") || fail packages
 else
-  echo 'skipped: Python, no python3 with numpy and scipy'
+  "$work/tests/skip.sh" 'Python, no python3 with numpy and scipy'
 fi
 # a host's global symbols with the names of MUMPS, MPI and SCOTCH
 cp "$work"/tests/hosts/poison.c "$work"/tests/hosts/unsymmetric.[ch] .
@@ -134,7 +134,7 @@ END
   LD_LIBRARY_PATH='' by_cmake moved "$root/c++ (1)/usr/lib/here"
   LD_LIBRARY_PATH='' by_cmake linked "$root/c++ (1)/lib/here"
 else
-  echo 'skipped: CMake, no cmake'
+  "$work/tests/skip.sh" 'CMake, no cmake'
 fi
 # MPI=1: libdelassus-mpi, its example on two ranks
 if [ "${MPI:-0}" = 1 ]; then
@@ -168,6 +168,7 @@ grep -q "^## $version" "$work/CHANGELOG.md" || fail "version of CHANGELOG.md"
 for command in $("$tree/usr/bin/delassus" help commands); do
   [ -f "$tree/usr/share/man/man1/delassus-$command.1" ] || fail "no man page of delassus $command"
 done
+command -v man > /dev/null || "$work/tests/skip.sh" 'pages as man shows them, no man'
 for page in man1/delassus.1 $(cd "$tree/usr/share/man" && ls man1/delassus-*.1) man3/delassus.3; do
   grep -q '^.SH NAME' "$tree/usr/share/man/$page" || fail "$page"
   if command -v man > /dev/null; then

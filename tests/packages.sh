@@ -18,7 +18,7 @@ fail() {
 }
 : > "$root/log"
 "$python" -c 'import setuptools, wheel, pip, venv, ensurepip, numpy, scipy' 2> /dev/null ||
-  { echo 'skipped: packages of Python, no pip, setuptools, wheel or venv'; exit 0; }
+  { tests/skip.sh 'packages of Python, no pip, setuptools, wheel or venv'; exit; }
 # the tree without what was built
 mkdir "$source"
 tar cf - --exclude=./build --exclude=./build-* --exclude=./.git --exclude='*.egg-info' . | (cd "$source" && tar xf -)
@@ -90,5 +90,5 @@ if command -v mypy > /dev/null; then
   check wrong.py > "$root/log" 2>&1 && fail 'mypy --strict: takes a method that is a number'
   echo 'mypy --strict: the package and a script pass'
 else
-  echo 'skipped: mypy'
+  tests/skip.sh 'mypy'
 fi

@@ -44,16 +44,18 @@ done
 # python SOURCE: runs it. A library with a sanitizer, or under a runner, does not go into an interpreter.
 no_python=
 if [ -z "${PYTHON:-}" ]; then no_python='no python3 with numpy and scipy'
-elif [ -n "$runner" ] || nm -D "$build/libdelassus.so" | grep -q '__[atu]san_'; then no_python='a checked build'
+elif [ -n "$runner" ] || nm -D "$build/libdelassus.so" | grep -q '__[atu]san_'; then no_python='left out of a checked build'
 fi
 python() { "$PYTHON" "$@"; }
+leave_out() { if [ -n "${PYTHON:-}" ]; then echo "$1: $no_python"; else skip "$1, $no_python"; fi; }
+skip() { tests/skip.sh "$@" || failed=$((failed + 1)); }
 
 for source in tests/languages/test_*.*; do
   case $source in
   *.py)
-    [ -n "$no_python" ] && echo "skipped: $source, $no_python" && continue
+    [ -n "$no_python" ] && leave_out "$source" && continue
     run "$source" python "$source" ;;
-  *) [ -x "$build/${source%.*}-${source##*.}" ] || echo "skipped: $source, no compiler" ;;
+  *) [ -x "$build/${source%.*}-${source##*.}" ] || skip "$source, no compiler" ;;
   esac
 done
 
@@ -70,13 +72,13 @@ for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py examples/
   name=$build/examples/$(basename "${source%.*}")
   case $source in
   *.py)
-    [ -n "$no_python" ] && echo "skipped: $source, $no_python" && continue
+    [ -n "$no_python" ] && leave_out "$source" && continue
     set -- python "$source" ;;
   *.c)
     [ -n "$languages" ] && continue
     set -- $runner "$name" ;;
   *)
-    [ -x "$name-${source##*.}" ] || { echo "skipped: $source, no compiler"; continue; }
+    [ -x "$name-${source##*.}" ] || { skip "$source, no compiler"; continue; }
     set -- $runner "$name-${source##*.}" ;;
   esac
   # expected output: the lines after "Output:" of the first comment, up to its end, without its marks

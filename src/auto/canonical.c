@@ -54,8 +54,8 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   dlsi_auto_set_weights(work);
   dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->weights, work->v[2], best);
   /* forces beyond the range of numbers: an answer to the copy is none to the problem */
-  const int in_range = best->residual <= DBL_MAX;
-  if ((status == DLS_OK && in_range) || dlsi_is_better(best, kept)) {
+  const int in_range = best->residual <= DBL_MAX && dlsi_first_not_finite(work->r, m) < 0;
+  if (in_range && (status == DLS_OK || dlsi_is_better(best, kept))) {
     memcpy(work->best, work->r, m * sizeof *work->best);
   } else {
     memcpy(work->best, work->kept, m * sizeof *work->best);

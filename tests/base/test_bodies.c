@@ -7,6 +7,7 @@
 #include "base/base.h"
 #include "cases.h"
 #include "delassus.h"
+#include "delassus/derive.h"
 #include "errors.h"
 #include "malloc_fails.h"
 #include "rigid.h"
@@ -213,6 +214,12 @@ START_TEST(overflow_and_nothing) {
   ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, &error), DLS_OK);
   ck_assert_int_eq(dls_contact_enumerate(&problem, 1e-8, 4, r, NULL, NULL, &found, &error), DLS_OK);
   ck_assert(found.isolated == 1 && found.continua == 0);
+  dls_derive *derive;
+  const dls_derive_data none = {0};
+  const dls_derive_answer moved = {.r = r};
+  ck_assert_int_eq(dls_derive_create(&derive, &problem, r, -1, &error), DLS_OK);
+  ck_assert_int_eq(dls_derive_jvp(derive, &none, &moved, &error), DLS_OK);
+  dls_derive_destroy(derive);
 }
 END_TEST
 

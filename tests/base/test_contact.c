@@ -514,6 +514,11 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
   r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v_n = 2 - 2, free, though r is not 0 */
   c = certified(&p, r, NULL);
   ck_assert(c.residual_u == 1 && c.residual_r == 1);
+  const double own[2] = {1, 1}; /* v_n = 2 - 1 > 0: nothing presses, |q| and |W||r| are empty */
+  dls_contact weighted = p;
+  weighted.weights = own;
+  c = certified(&weighted, r, NULL);
+  ck_assert(c.residual_u == 1 && c.residual_r == 1);
   q[0] = -2; /* now u_n = 0: the frictionless solution, though u_t = 0 has no say */
   q[1] = 7;
   c = certified(&p, r, NULL);

@@ -395,7 +395,7 @@ START_TEST(interrupted_map_is_drawn) {
                  program ? program : "build/delassus", directory, directory);
   const int status = system(command);
   ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == 124); /* ended by timeout */
-  ck_assert_int_ge(count_of(contents("log"), "drawn: ") + count_of(contents("log"), "gnuplot"), 1);
+  ck_assert_int_ge(count_of(contents("log"), has_gnuplot() ? "drawn: " : "gnuplot"), 1);
   ck_assert_int_lt(count_of(contents("map.csv"), "\n"), 1 + 7 * 7 * without_model);
   (void)contents("map.gp");
 }

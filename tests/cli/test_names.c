@@ -217,7 +217,7 @@ static void expect_plain_run(const char *const *arguments) {
 /* The command drew, where there is gnuplot, and wrote its table. */
 static void expect_files(const char *const *arguments, const char *picture, const char *table) {
   expect_plain_run(arguments);
-  if (system("command -v gnuplot >/dev/null") == 0) {
+  if (has_gnuplot()) {
     ck_assert_msg(!strstr(text, "did not draw") && !strstr(text, ".gp\" line"), "%s %s: %s",
                   arguments[0], arguments[1], text);
     ck_assert(read_there(picture));
@@ -238,7 +238,7 @@ static void expect_page(const char *name) {
   ck_assert(read_there(page));
   expect_plain(page, 1);
   ck_assert_msg(strstr(text, "</html>") != NULL, "%s: has no end", page);
-  if (system("command -v gnuplot >/dev/null") == 0) expect_svg(page);
+  if (has_gnuplot()) expect_svg(page);
   expect_nothing_run();
 }
 
@@ -323,7 +323,7 @@ START_TEST(an_apostrophe_is_drawn) {
   make_problem("it's 5% <&> {a_b}.txt");
   const char *const solve[] = {"solve", "-q", "it's 5% <&> {a_b}.txt", "--plot=o", NULL};
   expect_files(solve, "o/history.svg", "o/history.csv");
-  if (system("command -v gnuplot >/dev/null") != 0) return;
+  if (!has_gnuplot()) return;
   ck_assert(read_there("o/history.svg"));
   ck_assert_ptr_nonnull(strstr(text, ">it's 5% &lt;&amp;> {a_b}.txt<"));
 }

@@ -989,7 +989,35 @@ START_TEST(entries_at_the_ends_of_the_range) {
         s.limits.max_iterations = 100;
         const dls_status status = dls_solve(&problem, &s, r, NULL, NULL, &error);
         ck_assert_msg(status >= 0, "%s, %g: %s", dls_method_name(s.method), ends[e], error.message);
+        for (int k = 0; k < m; k++)
+          ck_assert_msg(isfinite(r[k]), "%s, %g: %g", dls_method_name(s.method), ends[e], r[k]);
       }
+}
+END_TEST
+
+/* q of 1e300 over blocks of 1e-3 beside the diagonal: what a scaled copy finds is no number in the
+ * units of the problem, and is not returned as the best. */
+START_TEST(forces_beyond_the_range_are_not_returned) {
+  static const int p[6] = {0, 0, 0, 1, 1, 2}, i[2] = {0, 1};
+  static const double x[18] = {26,  1.5,   10,  34.5,  -38.5, 25.5,  -5,  -27.5, -51,
+                               -21, -10.5, 1.5, -57.5, 3,     -14.5, -26, -1,    -11};
+  static const double load[15] = {47,   24,    44.5, -9, -50.5, 35,    -41, 33,
+                                  40.5, -51.5, -28,  20, -3,    -18.5, 26};
+  static const double rough[5] = {.98, .31, INFINITY, .99, 1.96};
+  double blocks[18], beyond[15], r[15];
+  for (int k = 0; k < 18; k++)
+    blocks[k] = x[k] / 16000;
+  for (int k = 0; k < 15; k++)
+    beyond[k] = load[k] * 6.25e298;
+  const dls_contact problem = {
+      .d = 3, .nc = 5, .Wb = {3, 5, p, i, blocks}, .q = beyond, .mu = rough};
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.limits.tol = 1e-3;
+  s.limits.max_iterations = 52;
+  ck_assert_int_gt(dls_solve(&problem, &s, r, NULL, NULL, NULL), 0);
+  for (int k = 0; k < 15; k++)
+    ck_assert_msg(isfinite(r[k]), "%d: %g", k, r[k]);
 }
 END_TEST
 
@@ -1186,7 +1214,8 @@ int main(void) {
              ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
              ONCE(auto_does_not_see_the_order),
              ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(forces_beyond_numbers),
-             ONCE(entries_at_the_ends_of_the_range), ONCE(auto_starts_warm),
-             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
-             ONCE(auto_proves_that_there_is_no_solution), ONCE(time_limit_in_any_stage));
+             ONCE(entries_at_the_ends_of_the_range), ONCE(forces_beyond_the_range_are_not_returned),
+             ONCE(auto_starts_warm), ONCE(a_jam_has_likely_no_solution),
+             ONCE(auto_forgets_the_solve_before), ONCE(auto_proves_that_there_is_no_solution),
+             ONCE(time_limit_in_any_stage));
 }

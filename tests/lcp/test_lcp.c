@@ -84,6 +84,11 @@ START_TEST(certificate_of_q_zero_and_of_overflow) {
   lcp = lcp_of(2, I, far);
   ck_assert_int_eq(dls_lcp_certify(&lcp, zero, NULL, &c, NULL), DLS_OK);
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-8), 0);
+  /* |M||z| overflows, F = (-.5, 1.5) 2^1023 does not, and is small beside it */
+  const double apart[4] = {1, 0, -1, 1}, x[2] = {0x1p1023, 0x1.8p1023};
+  lcp = lcp_of(2, apart, zero);
+  ck_assert_int_eq(dls_lcp_certify(&lcp, x, NULL, &c, NULL), DLS_OK);
+  ck_assert_double_eq(c.residual, INFINITY);
 }
 END_TEST
 

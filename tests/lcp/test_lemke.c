@@ -311,6 +311,33 @@ START_TEST(cycling_example) {
 }
 END_TEST
 
+/* Small integers, q = -1: every row ties. Without (LE7) the path of problems 0 and 1 goes round,
+ * without (LE8) that of 2 and 3. There are 2^n
+ * complementary bases, and few more almost complementary ones. */
+START_TEST(ties_that_cycle) {
+  static const struct {
+    int n, own; /* 1: with the cover 1 */
+    double rows[25];
+  } of[] = {
+      {3, 0, {-1, -1, 1, 1, 0, 1, 1, 1, 0}},
+      {3, 1, {-1, -1, 0, 2, 0, 2, -2, -2, -2}},
+      {5, 1, {-1, -1, 0, -1, 1, -1, 1, -1, 0, 0, -1, -1, 0, 1, 0, -1, 1, 0, 0, -1, 1, -1, 1, 0, 0}},
+      {5, 1, {-2, 1,  -1, -2, 1,  0, 2, 0,  0,  -2, -1, 1, -2,
+              1,  -1, 0,  0,  -1, 0, 2, -1, -2, 0,  1,  2}}};
+  const int n = of[_i].n;
+  static const double ones[5] = {1, 1, 1, 1, 1}, q[5] = {-1, -1, -1, -1, -1};
+  double M[25], z[5];
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      M[i + n * j] = of[_i].rows[n * i + j];
+  dls_lemke_settings settings = path_alone();
+  settings.cover = of[_i].own ? ones : NULL;
+  dls_lemke_info info;
+  ck_assert_int_ne(solved(n, M, q, &settings, z, &info), DLS_MAX_ITERATIONS);
+  ck_assert_int_le(info.pivots, 10 << n);
+}
+END_TEST
+
 START_TEST(identical_rows) {
   /* all y equal: every ratio test is a tie of all rows */
   double M[36], q[6], z[6];
@@ -1400,8 +1427,8 @@ int main(void) {
   return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
              ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
              ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
-             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
-             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
+             EACH(ties_that_cycle, 0, 4), ONCE(identical_rows), ONCE(murty), ONCE(p_matrices),
+             ONCE(any_matrix), ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
              ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
              ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
              ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),

@@ -1,5 +1,6 @@
 /* test_pivoting.c: block principal pivoting and the enumeration of all solutions. */
 #include <check.h>
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -366,6 +367,10 @@ START_TEST(rounding_and_the_best_basis) {
   dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
   ck_assert(info.status == DLS_OK && info.iterations == 0 && info.factorizations == 1);
   ck_assert(z[0] == 1 && z[1] == 0);
+  const double seen[2] = {-1, -.3 - 64 * DBL_EPSILON}; /* no rounding: y_1 = -64 eps of 0.6 */
+  const dls_lcp beyond = lcp_of(2, M, seen);
+  info = solve_principal(&beyond, &settings, z, NULL);
+  ck_assert(info.status == DLS_OK && info.iterations == 1 && z[1] > 0);
   settings.limits.warm_start = 0;
   for (int limit = 1; limit <= 2; limit++) {
     settings.limits.max_iterations = limit;

@@ -3,6 +3,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "delassus.h"
 #include "errors.h"
 #include "linear/blas.h"
 #include "run.h"
@@ -32,6 +33,18 @@ static void scale_32(const int *n, const double *alpha, double *x, const int *in
     x[k * *incx] *= *alpha;
 }
 
+static int is_64; /* 1: the BLAS of this program has integers of 64 bits */
+
+/* The library calls this one. */
+void dscal_(const int *n, const double *alpha, double *x, const int *incx) {
+#if LOW_HALF_FIRST
+  if (is_64)
+    scale_64(n, alpha, x, incx);
+  else
+#endif
+    scale_32(n, alpha, x, incx);
+}
+
 START_TEST(integers_of_64_bits) {
 #if LOW_HALF_FIRST
   dls_error error = {0};
@@ -49,6 +62,62 @@ START_TEST(integers_of_32_bits) {
 }
 END_TEST
 
+/* Every function that would call such a BLAS returns the error. */
+START_TEST(every_door_refuses_it) {
+  static const double W[16] = {3, 1, 0, 1, 1, 3, 1, 0, 0, 1, 3, 1, 1, 0, 1, 3};
+  static const double q[4] = {-1, 0, -1, 0}, mu[2] = {.5, .5}, K[4] = {3, 1, 1, 3}, one[1] = {1};
+  static const int p[2] = {0, 1}, first[1] = {0}, second[1] = {1};
+  const dls_contact contact = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  const dls_model model = {.d = 2,
+                           .n = 2,
+                           .nodes = 1,
+                           .operator_kind = DLS_STIFFNESS_DENSE,
+                           .factorization = DLS_CHOLESKY,
+                           .K = {2, 2, 2, K},
+                           .HN = {2, 1, p, first, one},
+                           .HT = {2, 1, p, second, one}};
+  double r[4] = {0}, basis[4];
+  int unknown[2], count;
+  dls_proof proof;
+  dls_sensitivity sensitivity;
+  dls_diagnosis diagnosis;
+  dls_fold fold;
+  dls_solver *solver;
+  dls_derive *derive;
+  dls_lemke *lemke;
+  dls_principal *principal;
+  dls_reduction *reduction;
+  dls_global *global;
+  dls_primal *primal;
+  dls_reduction_settings on_K;
+  dls_error e = {0};
+  dls_reduction_settings_init(&on_K);
+  on_K.on = DLS_ON_K;
+  is_64 = LOW_HALF_FIRST;
+  if (!is_64) return;
+#define REFUSES(name, call) expect_error(call, &e, DLS_E_UNSUPPORTED, #name, "BLAS", -1)
+  REFUSES(dls_solve, dls_solve(&contact, NULL, r, NULL, NULL, &e));
+  REFUSES(dls_solver_create, dls_solver_create(&solver, 2, 2, NULL, &e));
+  REFUSES(dls_contact_prove, dls_contact_prove(&contact, r, &proof, NULL, &e));
+  REFUSES(dls_contact_sensitivity, dls_contact_sensitivity(&contact, r, &sensitivity, &e));
+  REFUSES(dls_contact_freedom, dls_contact_freedom(&contact, r, &count, &e));
+  REFUSES(dls_contact_diagnose, dls_contact_diagnose(&contact, 9, &diagnosis, &e));
+  REFUSES(dls_contact_fold, dls_contact_fold(&contact, &fold, NULL, NULL, NULL, NULL, &e));
+  REFUSES(dls_derive_create, dls_derive_create(&derive, &contact, r, 0, &e));
+  REFUSES(dls_lemke_create, dls_lemke_create(&lemke, 4, NULL, &e));
+  REFUSES(dls_principal_create, dls_principal_create(&principal, 4, NULL, &e));
+  REFUSES(dls_reduction_create, dls_reduction_create(&reduction, &model, &e));
+  ck_assert_int_eq(dls_reduction_create_with(&reduction, &model, &on_K, &e), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(reduction, q, NULL, &e), DLS_OK);
+  REFUSES(dls_reduction_solve, dls_reduction_solve(reduction, mu, NULL, r, NULL, basis, NULL, &e));
+  dls_reduction_destroy(reduction);
+  REFUSES(dls_global_create, dls_global_create(&global, &model, &e));
+  REFUSES(dls_primal_create, dls_primal_create(&primal, &model, NULL, &e));
+  REFUSES(dls_model_modes, dls_model_modes(&model, 2, basis, unknown, &count, &e));
+}
+END_TEST
+
 int main(void) {
-  return RUN("blas of host", NULL, NULL, ONCE(integers_of_64_bits), ONCE(integers_of_32_bits));
+  return RUN("blas of host", NULL, NULL, ONCE(integers_of_64_bits), ONCE(integers_of_32_bits),
+             ONCE(every_door_refuses_it));
 }

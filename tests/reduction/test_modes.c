@@ -185,6 +185,17 @@ START_TEST(modes_by_their_number) {
 }
 END_TEST
 
+/* K = (1 -1; -1 1 + t) has the singular values 2 and t / 2 up to t^2, and |K|_1 = 2: a null vector
+ * if t <= 200 eps, up to the scales of (MO1), which are powers of 2 near 1. */
+START_TEST(nearly_a_mode) {
+  const double t = _i / 4 ? 400 * DBL_EPSILON : 100 * DBL_EPSILON;
+  stiffness_fill(&S, 2, (double[]){1, -1, -1, 1 + t}, _i / 2 % 2 ? DLS_LU : DLS_LDLT, _i % 2);
+  int count = -1;
+  ck_assert_int_eq(dls_model_modes(&S.model, 0, NULL, NULL, &count, NULL), DLS_OK);
+  ck_assert_int_eq(count, _i / 4 ? 0 : 1);
+}
+END_TEST
+
 /* Of K = 0 every unknown is a mode of its own, up to 24 of them. */
 START_TEST(modes_of_nothing) {
   static double rows[stiffness_dense_most * stiffness_dense_most];
@@ -337,8 +348,8 @@ int main(void) {
   return RUN("modes", NULL, NULL, ONCE(feet_of_two_springs), ONCE(feet_of_another_load),
              EACH(feet_that_feel_nothing, 0, 4), ONCE(feet_of_all_modes),
              EACH(springs_of_each_kind, 0, 2), EACH(springs_of_other_models, 0, 2),
-             EACH(modes_by_their_number, 0, 4), EACH(modes_of_nothing, 1, stiffness_dense_most + 1),
-             EACH(modes_in_other_units, 0, 4), EACH(given_modes_are_null_vectors, 0, 2),
-             ONCE(given_modes_are_independent), ONCE(given_modes_are_reduced),
-             ONCE(any_basis_has_the_same_unknowns));
+             EACH(modes_by_their_number, 0, 4), EACH(nearly_a_mode, 0, 8),
+             EACH(modes_of_nothing, 1, stiffness_dense_most + 1), EACH(modes_in_other_units, 0, 4),
+             EACH(given_modes_are_null_vectors, 0, 2), ONCE(given_modes_are_independent),
+             ONCE(given_modes_are_reduced), ONCE(any_basis_has_the_same_unknowns));
 }

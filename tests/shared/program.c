@@ -39,6 +39,12 @@ int run(const char *arguments) {
   return WEXITSTATUS(status);
 }
 
+int has_gnuplot(void) {
+  const int has = system("command -v gnuplot >/dev/null") == 0;
+  ck_assert_msg(has || !getenv("NO_SKIP"), "no gnuplot (Debian: gnuplot-nox)");
+  return has;
+}
+
 const char *contents(const char *name) {
   static char text[1100000];
   char path[200];

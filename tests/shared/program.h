@@ -12,6 +12,9 @@ void remove_directory(void);
 /* Runs `delassus ARGUMENTS`, "@" standing for the test's directory; returns its exit status. */
 int run(const char *arguments);
 
+/* Returns 1 if there is gnuplot. Without it the test fails if NO_SKIP is set, as in .ci/run. */
+int has_gnuplot(void);
+
 /* Returns the contents of a file of the test's directory, until the next call. */
 const char *contents(const char *name);
 

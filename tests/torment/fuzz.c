@@ -17,6 +17,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -53,6 +54,13 @@ const fuzz_target fuzz_targets[] = {
     {"reduction", fuzz_reduction, {NULL}, 0, 0},
     {"motion", fuzz_motion, {NULL}, 0, 0},
     {"doors", fuzz_doors, {NULL}, 0, 0},
+    {"calls", fuzz_calls, {NULL}, 0, 0},
+    {"plans", fuzz_plans, {"torment/plan"}, 1, 0},
+    {"tables",
+     fuzz_tables,
+     {"torment/numbers.npy", "torment/numbers.txt", "torment/array.mtx", "torment/coordinate.mtx"},
+     1,
+     1},
     {NULL, NULL, {NULL}, 0, 0}};
 
 /* ---- what targets share ---------------------------------------------------------------------- */
@@ -100,6 +108,31 @@ double take_scale(fuzz_bytes *b) {
   static const double scale[] = {1e-300, 1e-160, 1e-30, 1e-9, 1e-3, 1e3, 1e9, 1e30, 1e160, 1e300};
   const int kind = take_byte(b);
   return kind < 200 ? 1 : scale[kind % 10];
+}
+
+enum { most_arrays = 4096 };
+static void *exact[most_arrays];
+static int exact_count;
+
+void *fuzz_exact(const void *from, size_t bytes) {
+  void *p = malloc(bytes ? bytes : 1);
+  if (!p || exact_count == most_arrays) abort();
+  if (bytes) (void)(from ? memcpy(p, from, bytes) : memset(p, 0x5a, bytes));
+  return exact[exact_count++] = p;
+}
+
+double *fuzz_doubles(const double *from, int count) {
+  return fuzz_exact(from, (size_t)count * sizeof *from);
+}
+
+int *fuzz_ints(const int *from, int count) {
+  return fuzz_exact(from, (size_t)count * sizeof *from);
+}
+
+void fuzz_run(const fuzz_target *target, const unsigned char *data, size_t size) {
+  target->run(data, size);
+  while (exact_count)
+    free(exact[--exact_count]);
 }
 
 const char *fuzz_file(const unsigned char *data, size_t size) {
@@ -155,7 +188,7 @@ static void too_slow(void) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const double start = cpu_now();
-  if (size <= fuzz_most) target->run(data, size);
+  if (size <= fuzz_most) fuzz_run(target, data, size);
   if (cpu_now() - start > most_seconds) too_slow();
   return 0;
 }
@@ -334,7 +367,7 @@ static void run_input(const fuzz_target *t, outcome *out, long base) {
   const struct itimerval limit = {.it_value = {kill_seconds, 0}};
   (void)setitimer(ITIMER_PROF, &limit, NULL);
   const double start = cpu_now();
-  t->run(out->now.data, out->now.size);
+  fuzz_run(t, out->now.data, out->now.size);
   check_prints();
   const double seconds = cpu_now() - start;
   out->executions++;
@@ -436,7 +469,8 @@ int main(int argc, char **argv) {
     else
       return (void)fprintf(stderr, "fuzz: '%s' is no option\n", argv[k]), 2;
   }
-  if (k + 1 < argc && access(argv[k + 1], R_OK) == 0) {
+  struct stat entry; /* the folders lcp and reduction are targets */
+  if (k + 1 < argc && stat(argv[k + 1], &entry) == 0 && S_ISREG(entry.st_mode)) {
     static outcome out;
     const fuzz_target *t = find_target(argv[k]);
     for (k++; k < argc; k++) {

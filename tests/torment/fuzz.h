@@ -37,13 +37,21 @@ double take_value(fuzz_bytes *b);               /* small numbers, extreme ones, 
 double take_plain(fuzz_bytes *b);               /* -4 .. 4 by sixteenths */
 double take_scale(fuzz_bytes *b);               /* mostly 1, else a power of ten, up to 1e300 */
 
+/* Returns an array of exactly so many bytes, a copy of `from` or, with NULL, of bytes 0x5a: the
+ * sanitizers see a read or a write beyond it. It lives until the input ends. */
+void *fuzz_exact(const void *from, size_t bytes);
+double *fuzz_doubles(const double *from, int count);
+int *fuzz_ints(const int *from, int count);
+
+/* Runs a target and frees the arrays of fuzz_exact. */
+void fuzz_run(const fuzz_target *target, const unsigned char *data, size_t size);
+
 /* Puts the bytes into a file of this process and returns its name. */
 const char *fuzz_file(const unsigned char *data, size_t size);
 
 enum { fuzz_rows = 18 }; /* of W, at most */
 
-/* Makes a contact problem of up to 5 candidates in any storage, valid or not; its arrays live until
- * the next call. */
+/* Makes a contact problem of up to 5 candidates in any storage, valid or not, in exact arrays. */
 struct dls_contact;
 void take_contact(fuzz_bytes *b, struct dls_contact *problem);
 void take_vector(fuzz_bytes *b, int n, double *x);
@@ -63,6 +71,9 @@ void fuzz_contact(const unsigned char *data, size_t size);
 void fuzz_reduction(const unsigned char *data, size_t size);
 void fuzz_motion(const unsigned char *data, size_t size);
 void fuzz_doors(const unsigned char *data, size_t size);
+void fuzz_calls(const unsigned char *data, size_t size);
+void fuzz_plans(const unsigned char *data, size_t size);
+void fuzz_tables(const unsigned char *data, size_t size);
 void fuzz_program(const unsigned char *data, size_t size);
 
 #endif

@@ -51,8 +51,9 @@ void take_limits(fuzz_bytes *b, struct dls_limits *limits) {
 
 void fuzz_lcp(const unsigned char *data, size_t size) {
   fuzz_bytes b = {data, size};
-  double M[most_m * most_m], q[most_m], z[most_m], y[most_m], list[4 * most_m];
-  const int n = take_int(&b, 1, 10);
+  const int n = take_int(&b, 1, 10), capacity = take_int(&b, 1, 4);
+  double *M = fuzz_doubles(NULL, n * n), *q = fuzz_doubles(NULL, n), *z = fuzz_doubles(NULL, n);
+  double *y = fuzz_doubles(NULL, n), *list = fuzz_doubles(NULL, capacity * n);
   take_matrix(&b, n, M);
   take_vector(&b, n, q);
   take_vector(&b, n, z);
@@ -74,7 +75,7 @@ void fuzz_lcp(const unsigned char *data, size_t size) {
     if (status < 0) break;
     FUZZ_CHECK(dls_lcp_certify(&lcp, z, NULL, &seen, &error) == DLS_OK);
     if (status == DLS_OK) FUZZ_CHECK(dls_lcp_certificate_holds(&seen, settings.limits.tol));
-    double dz[most_m], cover[most_m], z0, dz0, violation;
+    double *dz = fuzz_doubles(NULL, n), *cover = fuzz_doubles(NULL, n), z0, dz0, violation;
     if (dls_lemke_ray(lemke, z, &z0, dz, &dz0, cover, &error) == DLS_OK) {
       FUZZ_CHECK(status == DLS_RAY || status == DLS_NO_SOLUTION);
       (void)!dls_lcp_check_ray(&lcp, cover, z, z0, dz, dz0, &violation, &error);
@@ -93,7 +94,7 @@ void fuzz_lcp(const unsigned char *data, size_t size) {
     FUZZ_CHECK(dls_lcp_certificate_holds(&seen, principal.limits.tol));
   }
   dls_principal_destroy(pivoting);
-  if (n <= 8 && dls_lcp_enumerate(&lcp, 1e-8, 4, list, &found, &error) == DLS_OK)
+  if (n <= 8 && dls_lcp_enumerate(&lcp, 1e-8, capacity, list, &found, &error) == DLS_OK)
     for (int k = 0; k < found.solutions; k++)
       FUZZ_CHECK(dls_lcp_certify(&lcp, list + k * n, NULL, &seen, &error) == DLS_OK &&
                  dls_lcp_certificate_holds(&seen, 1e-8));
@@ -102,7 +103,9 @@ void fuzz_lcp(const unsigned char *data, size_t size) {
 /* ---- contact problems ------------------------------------------------------------------------ */
 
 void fuzz_solve(const dls_contact *problem, fuzz_bytes *b) {
-  double r[most_m] = {0}, before[most_m], u[most_m];
+  const int m = problem->d * problem->nc;
+  const size_t bytes = (size_t)m * sizeof(double);
+  double *r = fuzz_doubles(NULL, m), *u = fuzz_doubles(NULL, m), before[most_m];
   dls_solver_settings settings;
   dls_certificate seen;
   dls_solver *solver;
@@ -119,16 +122,16 @@ void fuzz_solve(const dls_contact *problem, fuzz_bytes *b) {
   settings.limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   if (problem->bodies.H && take_byte(b) < 128)
     (void)!dls_bodies_count(problem, &settings.limits.blocks, &error);
-  take_vector(b, problem->d * problem->nc, r);
+  take_vector(b, m, r);
   if (dls_solver_create(&solver, problem->d, problem->nc, &settings, &error)) {
     FUZZ_CHECK(solver == NULL);
     return;
   }
   for (int pass = 0; pass < 2; pass++) {
-    memcpy(before, r, sizeof r);
+    memcpy(before, r, bytes);
     const dls_status status = dls_solver_solve(solver, problem, r, u, &info, &error);
     if (status < 0) {
-      FUZZ_CHECK(memcmp(before, r, sizeof r) == 0 && error.status == status);
+      FUZZ_CHECK(memcmp(before, r, bytes) == 0 && error.status == status);
       break;
     }
     FUZZ_CHECK(info.status == status);
@@ -136,7 +139,7 @@ void fuzz_solve(const dls_contact *problem, fuzz_bytes *b) {
     if (status == DLS_OK) FUZZ_CHECK(dls_certificate_holds(&seen, settings.limits.tol));
     const double *direction = dls_solver_direction(solver), *proof = dls_solver_farkas(solver);
     FUZZ_CHECK(status != DLS_OK || (!direction && !proof));
-    for (int k = 0; direction && k < problem->d * problem->nc; k++)
+    for (int k = 0; direction && k < m; k++)
       FUZZ_CHECK(isfinite(direction[k]));
     for (int k = 0; proof && k < problem->nc; k++)
       FUZZ_CHECK(proof[k] >= 0);
@@ -174,7 +177,10 @@ static void take_bodies(fuzz_bytes *b, int d, int nc, dls_bodies *bodies) {
   for (int k = 0; k < 2 * nc; k++)
     body[k] = take_byte(b) < 4 ? take_int(b, -3, 5) : count ? take_byte(b) % (count + 1) - 1 : -1;
   take_vector(b, 2 * n * d * nc, H);
-  *bodies = (dls_bodies){.n = n, .count = count, .body = body, .H = H};
+  *bodies = (dls_bodies){.n = n,
+                         .count = count,
+                         .body = fuzz_ints(body, 2 * nc),
+                         .H = fuzz_doubles(H, 2 * n * d * nc)};
 }
 
 void take_contact(fuzz_bytes *b, struct dls_contact *problem) {
@@ -182,10 +188,10 @@ void take_contact(fuzz_bytes *b, struct dls_contact *problem) {
   static int p[most_m + 1], i[most_m];
   const int d = take_int(b, 1, 3), nc = take_int(b, 0, most_m / d < 5 ? most_m / d : 5);
   const int m = d * nc, storage = take_byte(b);
-  *problem = (dls_contact){.d = d, .nc = nc, .q = q, .mu = mu};
+  *problem = (dls_contact){.d = d, .nc = nc};
   if (storage < 150) {
     take_matrix(b, m, W);
-    problem->W = (dls_dense){m, m, m, W};
+    problem->W = (dls_dense){m, m, m, fuzz_doubles(W, m * m)};
   } else if (storage < 200)
     take_bodies(b, d, nc, &problem->bodies);
   else {
@@ -198,7 +204,8 @@ void take_contact(fuzz_bytes *b, struct dls_contact *problem) {
       p[c] = c * entries / (nc ? nc : 1);
     if (!nc) p[0] = 0;
     take_vector(b, d * d * entries, x);
-    problem->Wb = (dls_blocks){d, nc, p, i, x};
+    problem->Wb = (dls_blocks){d, nc, fuzz_ints(p, nc + 1), fuzz_ints(i, entries),
+                               fuzz_doubles(x, d * d * entries)};
   }
   take_vector(b, m, q);
   for (int c = 0; c < nc; c++) {
@@ -206,6 +213,8 @@ void take_contact(fuzz_bytes *b, struct dls_contact *problem) {
     mu[c] = kind < 200 ? kind / 100.0 : kind < 220 ? 0 : kind < 240 ? INFINITY : take_value(b);
     if (d == 1 && kind < 250) mu[c] = 0;
   }
+  problem->q = fuzz_doubles(q, m);
+  problem->mu = fuzz_doubles(mu, nc);
 }
 
 void fuzz_contact(const unsigned char *data, size_t size) {
@@ -219,22 +228,25 @@ void fuzz_contact(const unsigned char *data, size_t size) {
 /* ---- reductions ------------------------------------------------------------------------------ */
 
 typedef struct columns {
-  int p[3 * most_n + 1], i[6 * most_n];
-  double x[6 * most_n];
+  int *p, *i;
+  double *x;
 } columns;
 
 /* Fills a sparse matrix with entries all over, or with diagonal ones, too. */
 static dls_sparse take_columns(fuzz_bytes *b, int rows, int cols, int diagonal, columns *own) {
-  const int most = 6 * most_n, odd = take_byte(b) < 8;
-  int count = 0;
+  enum { most = 6 * most_n };
+  const int odd = take_byte(b) < 8;
+  int p[3 * most_n + 1], i[most], count = 0;
+  double x[most];
   for (int j = 0; j < cols; j++) {
-    own->p[j] = count;
+    p[j] = count;
     for (int k = take_byte(b) % 3; k >= 0 && count < most; k--, count++) {
-      own->i[count] = diagonal && k == 0 ? j : take_byte(b) % rows;
-      own->x[count] = diagonal && k == 0 ? 4 + take_plain(b) : take_plain(b);
+      i[count] = diagonal && k == 0 ? j : take_byte(b) % rows;
+      x[count] = diagonal && k == 0 ? 4 + take_plain(b) : take_plain(b);
     }
   }
-  own->p[cols] = count;
+  p[cols] = count;
+  *own = (columns){fuzz_ints(p, cols + 1), fuzz_ints(i, count), fuzz_doubles(x, count)};
   if (odd && count) own->i[take_byte(b) % count] = take_int(b, -1, rows);
   if (odd && count) own->x[take_byte(b) % count] = take_value(b);
   if (odd && take_byte(b) < 64) own->p[take_byte(b) % (cols + 1)] = take_int(b, -1, count);
@@ -257,7 +269,8 @@ static int host_solve(void *user, double *X, int n, int nrhs) {
 /* Solves a model by the method on displacements. */
 static void solve_primal(fuzz_bytes *b, const dls_model *model, const double *f, const double *g,
                          const double *mu) {
-  double x[most_n], r[2 * most_n], u[2 * most_n];
+  const int candidates = model->P.p ? model->P.cols : model->nodes, m = model->d * candidates;
+  double *x = fuzz_doubles(NULL, model->n), *r = fuzz_doubles(NULL, m), *u = fuzz_doubles(NULL, m);
   dls_primal_settings settings;
   dls_primal_info info;
   dls_primal *work;
@@ -279,22 +292,96 @@ static void solve_primal(fuzz_bytes *b, const dls_model *model, const double *f,
   dls_primal_destroy(work);
 }
 
+/* Solves a model on K, and once more after an update. */
+static void solve_global(fuzz_bytes *b, const dls_model *model, const double *f, const double *g) {
+  dls_global *global;
+  dls_global_info cost;
+  dls_solver_settings settings; /* for its limits */
+  dls_info info;
+  dls_error error;
+  int body;
+  (void)!dls_global_estimate(model, &cost, &error);
+  const dls_status status = dls_global_create(&global, model, &error);
+  FUZZ_CHECK((status == DLS_OK) == (global != NULL));
+  if (status) return;
+  const int contacts = dls_global_contacts(global), m = model->d * contacts;
+  double *r = fuzz_doubles(NULL, m), *x = fuzz_doubles(NULL, model->n);
+  double *mu = fuzz_doubles(NULL, contacts);
+  take_vector(b, m, r);
+  take_vector(b, model->n, x);
+  for (int c = 0; c < contacts; c++)
+    mu[c] = take_byte(b) / 100.0;
+  dls_solver_settings_init(&settings);
+  for (int pass = 0; pass < 2; pass++) {
+    take_limits(b, &settings.limits);
+    const int left_out = take_byte(b);
+    const dls_status end = dls_global_solve(
+        global, left_out & 1 ? f : NULL, left_out & 2 ? g : NULL, left_out & 4 ? mu : NULL,
+        &settings.limits, r, x, left_out & 8 ? &info : NULL, &error);
+    if (end < 0) break;
+    const double *motion = dls_global_motion(global, &body);
+    FUZZ_CHECK((motion != NULL) == (end == DLS_NO_SOLUTION));
+    for (int i = 0; motion && i < model->n; i++)
+      FUZZ_CHECK(isfinite(motion[i]));
+    if (dls_global_update(global, model, &error)) break;
+  }
+  (void)!dls_global_get_info(global, &cost, &error);
+  dls_global_destroy(global);
+}
+
+/* Solves the problem of a loaded reduction on W or on K, and differentiates the answer. */
+static void solve_reduced(fuzz_bytes *b, dls_reduction *reduction, const dls_model *model,
+                          const double *mu, int m, int contacts) {
+  const int n = model->n, nodal = model->d * model->nodes, what = take_byte(b);
+  const int values = model->operator_kind == DLS_STIFFNESS_SPARSE ? model->Ks.p[n] : n * n;
+  double *r = fuzz_doubles(NULL, m), *u = fuzz_doubles(NULL, m), *x = fuzz_doubles(NULL, n);
+  dls_solver_settings settings;
+  dls_info info;
+  dls_error error;
+  dls_derive *derive;
+  dls_solver_settings_init(&settings);
+  take_limits(b, &settings.limits);
+  settings.method = (dls_method)take_int(b, 0, 8);
+  if (dls_reduction_solve(reduction, mu, what & 1 ? &settings : NULL, r, what & 2 ? u : NULL, x,
+                          what & 4 ? &info : NULL, &error))
+    return;
+  if (dls_derive_create_body(&derive, reduction, mu, r, x, what % 3 - 1, &error)) return;
+  take_vector(b, m, u);
+  const dls_derive_data data = {
+      fuzz_doubles(NULL, contacts), NULL, NULL, fuzz_doubles(NULL, n), fuzz_doubles(NULL, nodal),
+      fuzz_doubles(NULL, values)};
+  const dls_derive_answer loss = {u, NULL, NULL}, moved = {fuzz_doubles(NULL, m), NULL, x};
+  if (dls_derive_vjp(derive, &loss, &data, &error) == DLS_OK)
+    (void)!dls_derive_jvp(derive, &data, &moved, &error);
+  dls_derive_destroy(derive);
+}
+
 /* Loads a reduction and asks for all that it returns. */
 static void look_at_reduction(fuzz_bytes *b, dls_reduction *reduction, const dls_model *model) {
-  double f[most_n], g[3 * most_n], mu[most_n], x[most_n], r[3 * most_n] = {0}, nodal[3 * most_n];
+  const int candidates = model->P.p ? model->P.cols : model->nodes;
+  int contacts = 0;
+  for (int c = 0; c < candidates; c++)
+    contacts += !model->active || model->active[c];
+  double *f = fuzz_doubles(NULL, model->n), *g = fuzz_doubles(NULL, model->d * model->nodes);
+  double *mu = fuzz_doubles(NULL, contacts), *x = fuzz_doubles(NULL, model->n);
+  double *nodal = fuzz_doubles(NULL, model->d * model->nodes);
   double imbalance;
   dls_contact problem;
   dls_error error;
   take_vector(b, model->n, f);
   take_vector(b, model->d * model->nodes, g);
-  for (int c = 0; c < most_n; c++)
+  for (int c = 0; c < contacts; c++)
     mu[c] = take_byte(b) / 100.0;
   const int loaded_free = take_byte(b) < 30;
   const dls_status loaded = loaded_free ? dls_reduction_load_free(reduction, f, g, &error)
                                         : dls_reduction_load(reduction, f, g, &error);
   if (loaded || dls_reduction_contact(reduction, mu, &problem, &error)) return;
-  if (problem.d * problem.nc <= most_m) fuzz_solve(&problem, b);
-  take_vector(b, problem.d * problem.nc, r);
+  const int m = problem.d * problem.nc;
+  FUZZ_CHECK(problem.nc == contacts);
+  if (m <= most_m) fuzz_solve(&problem, b);
+  if (take_byte(b) < 60) solve_reduced(b, reduction, model, mu, m, contacts);
+  double *r = fuzz_doubles(NULL, m);
+  take_vector(b, m, r);
   (void)!dls_reduction_recover(reduction, r, x, &error);
   (void)!dls_reduction_nodal(reduction, r, nodal, &error);
   if (take_byte(b) < 60) (void)!dls_reduction_balance(reduction, r, &imbalance, &error);
@@ -319,7 +406,7 @@ static void use_reduction(fuzz_bytes *b, dls_reduction *reduction, dls_model *mo
       break;
     case 2: /* another dense K */
       take_matrix(b, model->n, a);
-      next.K.a = a;
+      next.K.a = fuzz_doubles(a, model->n * model->n);
       break;
     case 3: /* other sizes and kinds */
       next.n = take_int(b, 0, model->n);
@@ -343,15 +430,14 @@ static void use_reduction(fuzz_bytes *b, dls_reduction *reduction, dls_model *mo
 void fuzz_reduction(const unsigned char *data, size_t size) {
   fuzz_bytes b = {data, size};
   static columns K, HN, HT, P;
-  double a[most_m * most_m], f[most_n], g[3 * most_n], mu[most_n], modes[2 * most_n];
-  int active[most_n];
+  double a[most_m * most_m], modes[2 * most_n];
   const int n = take_int(&b, 1, most_n), d = take_int(&b, 2, 3), nodes = take_int(&b, 0, 4);
   host own = {take_byte(&b) % 16, take_byte(&b) < 8};
   dls_model model = {.d = d, .n = n, .nodes = nodes, .solve = host_solve, .user = &own};
   model.operator_kind = (dls_operator)(take_byte(&b) < 250 ? take_int(&b, 1, 4) : 5);
   model.factorization = (dls_factorization)(take_byte(&b) < 250 ? take_int(&b, 1, 3) : 4);
   take_matrix(&b, n, a);
-  model.K = (dls_dense){n, n, n, a};
+  model.K = (dls_dense){n, n, n, fuzz_doubles(a, n * n)};
   model.Ks = take_columns(&b, n, n, 1, &K);
   model.HN = take_columns(&b, n, nodes, 0, &HN);
   model.HT = take_columns(&b, n, (d - 1) * nodes, 0, &HT);
@@ -360,9 +446,12 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
     candidates = take_int(&b, 0, nodes);
     model.P = take_columns(&b, nodes ? nodes : 1, candidates, 0, &P);
   }
+  double *f = fuzz_doubles(NULL, n), *g = fuzz_doubles(NULL, d * nodes);
+  double *mu = fuzz_doubles(NULL, candidates);
+  int *active = fuzz_ints(NULL, candidates);
   take_vector(&b, n, f);
   take_vector(&b, d * nodes, g);
-  for (int c = 0; c < most_n; c++) {
+  for (int c = 0; c < candidates; c++) {
     mu[c] = take_byte(&b) / 100.0;
     active[c] = take_byte(&b) < 200;
   }
@@ -370,7 +459,8 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
   if (take_byte(&b) < 40) model.mu = mu;
   if (take_byte(&b) < 30) {
     take_vector(&b, 2 * n, modes);
-    model.modes = (dls_dense){n, take_int(&b, 0, 2), n, modes};
+    const int count = take_int(&b, 0, 2);
+    model.modes = (dls_dense){n, count, n, fuzz_doubles(modes, n * count)};
   }
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
@@ -384,13 +474,15 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
   dls_error error;
   (void)!dls_reduction_estimate(&model, &settings, &info, &error);
   if (take_byte(&b) < 30) {
-    double basis[3 * most_n];
-    int unknown[3], count, most = take_int(&b, 0, 3);
+    const int most = take_int(&b, 0, 3);
+    double *basis = fuzz_doubles(NULL, most * n);
+    int *unknown = fuzz_ints(NULL, most), count;
     if (dls_model_modes(&model, most, basis, unknown, &count, &error) == DLS_OK)
       for (int k = 0; k < n * (count < most ? count : most); k++)
         FUZZ_CHECK(isfinite(basis[k]));
   }
   if (take_byte(&b) < 30) solve_primal(&b, &model, f, g, mu);
+  if (take_byte(&b) < 60) solve_global(&b, &model, f, g);
   const dls_status status = dls_reduction_create_with(&reduction, &model, &settings, &error);
   FUZZ_CHECK((status == DLS_OK) == (reduction != NULL));
   if (status) return;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """mutants.py BUILD [--count N] [--seed S] [--file PATH]: shows which code no test watches.
 
-Changes one operator, index, sign or factor at a random place of the library, rebuilds its object and
+Changes one operator, index, sign or factor at a random place of the product, rebuilds its object and
 the tests, and runs these, those of the file's own room first, until one fails. A mutant that passes
 them all runs once more with its file under the address and undefined sanitizers. One that passes
 there, too, has survived: its line wants a test, or an entry in harmless.txt that says why the change
@@ -24,12 +24,14 @@ import sys
 import tempfile
 import time
 
-ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/facts", "src/auto", "src/front", "src/motion"]
+ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/linear", "src/files", "src/facts", "src/auto", "src/front",
+         "src/motion", "src/fe", "src/cli"]
 # The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
     "lcp": ["lcp", "tuning"],
     "vi": ["tuning", "method", "contract"],
     "reduction": ["reduction", "motion"],
+    "global": ["global", "front"],
     "src/base": ["base", "tuning", "linear", "lcp", "contract"],
     "src/linear": ["linear", "reduction", "tuning", "method"],
     "src/files": ["files"],
@@ -37,9 +39,12 @@ NEAR = {
     "src/auto": ["tuning", "auto", "front", "contract", "catalogue"],
     "src/front": ["front", "tuning", "contract", "catalogue"],
     "src/motion": ["motion"],
+    "src/fe": ["fe", "cli"],
+    "src/cli": ["cli"],
     "src/base/exact.c": ["lcp", "front"],
 }
-# Minutes of forming and of pictures, which see the library through the same calls as the rest.
+# Minutes of forming and of pictures, which see the library through the same calls as the rest: for their own rooms alone,
+# after all others.
 SLOW = {"fe/test_forming", "fe/test_forming_body", "fe/test_moving", "cli/test_charts",
         "cli/test_forming_cli", "reduction/test_threads"}
 # Random problems, solved in many ways and certified, which see every method and both rooms of LCP.
@@ -48,6 +53,11 @@ PROPERTIES = "properties/properties --class each --seed 1 --step 2 --count 60 --
 HEAVY = {"facts/test_proof", "auto/test_renumber", "facts/test_trust", "front/test_solve",
          "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli",
          PROPERTIES}
+# What tests are linked with beside the library and tests/shared, as in the Makefile.
+JUDGES = [str(p)[:-2] for p in pathlib.Path("tests/properties").glob("*.c")
+          if p.name != "properties.c" and not p.name.startswith("test_")]
+OTHERS = {"properties/properties": JUDGES, "properties/test_judges": JUDGES,
+          "front/test_measure": ["bench/common", "bench/solvers_call"]}
 ALL = "build/tests/all"  # the program of all tests
 LIBRARIES = ("build/libdelassus.a", "build/libdelassus-files.a", "build/libdelassus-fe.a")
 MEMORY = "build/obj/src/base/memory.o"
@@ -157,10 +167,7 @@ class Tree:
         run = lambda *command: subprocess.run(command, cwd=self.root, check=True)
         for k, test in enumerate(tests):
             name, part = test.split()[0], parts / ("part%d.o" % k)
-            own = ["build/obj/tests/%s.o" % name]
-            if test == PROPERTIES:
-                own = sorted(str(p.relative_to(self.root)) for p in
-                             (self.root / "build/obj/tests/properties").glob("*.o"))
+            own = ["build/obj/tests/%s.o" % name, *("build/obj/%s.o" % other for other in OTHERS.get(name, []))]
             run("ld", "-r", "-o", part, *own)
             run("objcopy", "--redefine-sym", "main=main%d" % k, "--keep-global-symbol=main%d" % k, part)
             table.append((name, part))
@@ -238,9 +245,12 @@ class Tree:
 
 def tests_of(file, tests):
     """Returns the tests in the order in which they are tried on a file."""
+    own = file.startswith(("src/fe/", "src/cli/"))
     near = NEAR.get(file) or NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
     rank = lambda test: near.index(test.split("/")[0]) if test.split("/")[0] in near else len(near)
-    return sorted(tests, key=lambda t: (t in HEAVY, rank(t), t))
+    if file.startswith("src/cli/"):  # the other tests do not link it
+        tests = [t for t in tests if t.startswith("cli/")]
+    return sorted((t for t in tests if own or t not in SLOW), key=lambda t: ((t in SLOW) * 2 or t in HEAVY, rank(t), t))
 
 
 def try_sanitized(tree, source, text, object_file, tests):
@@ -275,7 +285,9 @@ def try_mutant(tree, place, tests):
                 has_program, _ = tree.make("build/delassus")
             if not tree.run(test):
                 return test
-        return try_sanitized(tree, source, text, object_file, [t for t in ordered if t not in HEAVY])
+        if path.startswith("src/cli/"):
+            return ""
+        return try_sanitized(tree, source, text, object_file, [t for t in ordered if t not in HEAVY | SLOW])
     finally:
         source.write_text(text)
         (tree.root / object_file).write_bytes(spared)
@@ -293,7 +305,7 @@ def main():
     tree = Tree(own.build)
     try:
         tests = sorted(str(p)[6:-2] for p in pathlib.Path("tests").glob("*/test_*.c"))
-        tests = [t for t in tests if t not in SLOW and not t.startswith("mpi/")] + [PROPERTIES]
+        tests = [t for t in tests if not t.startswith("mpi/")] + [PROPERTIES]
         built, said = tree.make("all", *("build/tests/" + t.split()[0] for t in tests))
         if not built:
             sys.exit("the tree does not build:\n" + said)
