@@ -3,8 +3,8 @@
  * springs, the error may be large although the residual is small. The problem is then solved to
  * smaller tolerances as long as the predicted error falls (facts/sensitivity.c).
  *
- *   (AC1)  the error is predicted if W may hide one (SN6); up to 60 rows only if the caller asks for
- *          dls_info: there the prediction would be half of the work
+ *   (AC1)  the error is predicted if W may hide one (SN6); up to 60 rows only if the caller asks
+ *          for dls_info: there the prediction would be half of the work
  *   (AC2)  in a sequence of warm solves, error / residual of the last predicted answer is used
  */
 #include <float.h>

@@ -29,14 +29,14 @@ enum {                             /* unit      reason */
   dlsi_auto_early_rows      = 400, /* LCP rows  its table stays in the cache: pivots before sweeps
                                                 go on */
   dlsi_auto_usual_blocks    = 10,  /* blocks a contact, where nobody has told */
-  dlsi_auto_rest_fill       = 1000,/* sweeps    a factorisation for what looks at rest (vi/rest.c) */
+  dlsi_auto_rest_fill       = 1000,/* sweeps    factors where bodies look at rest (vi/rest.c) */
   dlsi_auto_loose_blocks    = 4,   /* blocks a contact, its own included: factors cost few sweeps */
   dlsi_auto_sure_contacts   = 2    /* contacts, d = 3, all of whose states the steps cover */
 };
 
 /* ---- 2. Plans: iterations (plan.c) ---------------------------------------------------------- */
 enum {
-  dlsi_auto_few_augments    = 10,  /* augmented Lagrangian, few rows: all that it solves take 8 */
+  dlsi_auto_few_augments    = 12,  /* augmented Lagrangian, few rows: all that it solves take 11 */
   dlsi_auto_splits          = 200, /* ADMM, before Newton again or pivots: more cost more */
   dlsi_auto_cold_splits     = 2000,/* ADMM from r = 0 */
   dlsi_auto_settle_splits   = 20000,/* ADMM near an answer, up to 300 rows: a second or two */
@@ -66,7 +66,7 @@ enum {
   dlsi_auto_first_sweeps    = 10,  /* sweeps before a forecast is believed, ... */
   dlsi_auto_first_of_few    = 60,  /* ... of few contacts by blocks: a sweep costs nothing there */
   dlsi_auto_ahead           = 100, /* sweeps ahead: the convex problem or momentum takes fewer */
-  dlsi_auto_turn_errs       = 4,   /* factor of the forecast against the augmented Lagrangian's cost */
+  dlsi_auto_turn_errs       = 4,   /* turns ahead: fewer may be an error of the forecast */
   dlsi_auto_sweeps_before   = 200, /* sweeps before the convex problem of what is not at rest */
   dlsi_auto_first_patience  = 4,   /* steps of Newton without progress, at least ... */
   dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton.c */

@@ -15,15 +15,14 @@
  *   (FC3)  Newton's method ends if S steps have not reduced e. S = 4, or as many as cost
  *          half of (FC1) and of splitting, up to 12; doubled by each failure
  *
- *   (FC4)  momentum gives way to the augmented Lagrangian once all sweeps of the solve cost as much
- *          as a turn, and (FC1) is more than four turns. A turn is price.c, PR5, at first; the augmented
- *          Lagrangian ends when it has cost a turn itself, which doubles the turn. Momentum goes on
- *          from where it was (vi/nlgs_ways.c, NL14). So neither costs five times what it takes alone
- *   (FC5)  sweeps give way to the convex problem if (FC1) is above 100: from the first look on where
- *          bodies look at rest; elsewhere after 200 sweeps, if (FC1) is twice as much.
- *          There a factorisation may take as many sweeps as there were until then. Else it is tried
- *          once there were as many as it takes.
- *          The fill of bodies is foreseen before W is formed (vi/fill.c)
+ *   (FC4)  momentum gives way to the augmented Lagrangian once the sweeps of the solve cost a turn,
+ *          if (FC1) exceeds four turns. A turn is PR5 of price.c at first. The augmented Lagrangian
+ *          ends after a turn of its own, which doubles the next. Both go on from where they were
+ *          (NL14, AU6), so that neither takes much more than three times its cost alone
+ *   (FC5)  sweeps give way to the convex problem if (FC1) exceeds 100: at once where bodies look at
+ *          rest, elsewhere after 200 sweeps, if (FC1) exceeds twice the sweeps so far. There a
+ *          factorisation may cost as many sweeps as were made; else the step waits for so many. The
+ *          fill of bodies is foreseen before W is formed (vi/fill.c)
  *
  * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
  * same steps and gives the same bits.

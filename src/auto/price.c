@@ -12,9 +12,9 @@
  *          s = 4. Each failure of Newton's method doubles s.
  *   (PR3)  all of splitting: 50 max(mu, 1)^2 m / k sweeps, its factorisation included; mu: the mean
  *          of the candidates with a reaction. Its iterations read m^2 where a sweep reads k m.
- *   (PR5)  all of the augmented Lagrangian: 40 steps of Newton's method; d = 2, (k / 2000)^2 times as
- *          many from 2000 on: packings of discs of all sizes have more fill than others
  *   (PR4)  what a line of the report has cost: a table of its iterations and factorisations
+ *   (PR5)  all of the augmented Lagrangian: 40 steps of Newton's method; in 2D (k / 2000)^2 times
+ *          as many from 2000 on, because packings of discs of all sizes have much fill
  */
 #include <math.h>
 

@@ -99,8 +99,11 @@ double dlsi_auto_first_try(const dlsi_auto *work) {
 }
 
 int dlsi_auto_may_rest(const dlsi_auto *work) {
-  const int near = dlsi_auto_is_near(work, work->info.certificate.residual);
-  return work->sweeps >= work->convex_from && (work->convex_from == 0 || !near);
+  const dls_info *info = &work->info;
+  if (work->sweeps < work->convex_from || work->convex_from == 0 || info->stages == 0)
+    return work->convex_from == 0;
+  const int yields = info->stage[info->stages - 1].reason == DLS_REASON_COSTLIER;
+  return (yields || work->has_pushed) && !dlsi_auto_is_near(work, info->certificate.residual);
 }
 
 int dlsi_auto_may_take_turn(const dlsi_auto *work) {
