@@ -11,6 +11,7 @@
  *              report even ones
  *   --step     N; 2
  *   --count    number of problems; 2 of each kind, one of 16 to 100 contacts, one of 100 to 3000
+ *              where the kind has so many
  *   --tol      1e-4 and 1e-8
  *   --seconds  limit of CPU for each solve and 500 contacts; 0.5
  *   --info     solves that fill a dls_info: dense W of up to 300 rows have their error predicted
@@ -20,7 +21,8 @@
  * regret = CPU of auto / CPU of the best single method whose answer the certificate accepts. A
  * solve is a child process (solvers_call.c): repeated up to 20 ms, the least counts. Methods: nlgs
  * plain, with momentum, with Anderson's acceleration, newton, admm, augmented Lagrangian; for small
- * problems lemke and homotopy. Rests and joints are steps of auto without a method of their own.
+ * problems lemke and homotopy; the steps of auto that are no methods, each as a plan of that step
+ * alone: convex (with its joints), splitting, cold-splitting, scatter.
  *
  * Writes regret.md and regret.csv.
  */
@@ -97,7 +99,7 @@ static void solve_drawn(plan *p, int k) {
   const double size =
       large ? 100 * pow(most > 100 ? most / 100. : 1, at[0]) : 16 * pow(100. / 16, at[0]);
   (void)snprintf(digits, sizeof digits, "%.3g", 0.05 * pow(60, at[1])); /* .05 to 3 */
-  solve_generated(p, kind, (int)size, strtod(digits, NULL), seed);
+  solve_generated(p, kind, (int)fmin(size, most), strtod(digits, NULL), seed);
 }
 
 static int regret_file(plan *p, const char *path) {

@@ -1,4 +1,4 @@
-/* regret_bodies.c: gears, domes, pyramids of crates and wedges of rigid bodies. */
+/* regret_bodies.c: gears, domes, pyramids of crates, wedges, trains of gears, books, logs. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -216,6 +216,70 @@ static void put_wedges(yard *y, int count) {
     }
 }
 
+/* A row of gears on heavy axles, driven at both ends. Four flanks touch where two gears meet. */
+static void put_train(yard *y, int count) {
+  const double pressure = 0.349;
+  for (int b = 0; b < count; b++) {
+    const double m = 1.5 + 0.5 * bench_draw(&y->state), I = 0.5 * m, x[3] = {2. * b, 0, 0};
+    const double driven = b == 0 ? 1 : b == count - 1 ? 0.6 : 0.15 * bench_draw(&y->state);
+    const double v[3] = {0, 0, b % 2 ? -driven : driven};
+    (void)yard_body(y, x, 80 * m, &I, v);
+  }
+  for (int b = 0; b + 1 < count; b++)
+    for (int flank = 0; flank < 4; flank++) {
+      const double side = flank < 2 ? 1 : -1, off = flank % 2 ? 0.04 : -0.05;
+      const double n[3] = {-sin(pressure), side * cos(pressure), 0};
+      const double at[3] = {2. * b + 1 + off, off * side, 0};
+      yard_touch(y, b, b + 1, at, n);
+    }
+}
+
+/* A row of books that two hands press together and lift: four corners touch between neighbours. */
+static void put_books(yard *y, int count) {
+  const double thick = 0.03, deep = 0.18, high = 0.25;
+  for (int b = 0; b < count; b++) {
+    const double m = 1 + 0.5 * bench_draw(&y->state), x[3] = {thick * b, 0, 0};
+    const double inertia[3] = {m * (high * high + deep * deep) / 12,
+                               m * (high * high + thick * thick) / 12,
+                               m * (deep * deep + thick * thick) / 12};
+    const double v[6] = {b == 0 ? 1 : b == count - 1 ? -1 : 0, 0, -0.1};
+    (void)yard_body(y, x, m, inertia, v);
+  }
+  for (int face = 0; face <= count; face++)
+    for (int corner = 0; corner < 4; corner++) {
+      const double n[3] = {face < count ? 1 : -1, 0, 0};
+      const double at[3] = {thick * (face - 0.5), corner & 1 ? deep / 2 : -deep / 2,
+                            corner & 2 ? high / 2 : -high / 2};
+      yard_touch(y, face < count ? face : count - 1, face < count ? face - 1 : -1, at, n);
+    }
+}
+
+/* Logs across, stacked in rows of `wide` and wide - 1 between two posts. */
+static void put_logs(yard *y, int wide) {
+  int below = -1, first = 0;
+  for (int row = 0; row < wide; row++, below = first, first = y->bodies) {
+    const int odd = row % 2, logs = wide - odd;
+    for (int k = 0; k < logs; k++) {
+      const double m = 1.15 + 0.15 * bench_draw(&y->state), I = m / 8;
+      const double x[3] = {k + 0.5 * odd, 0.866 * row, 0};
+      const double v[3] = {0.003 * bench_draw(&y->state), -0.1 + 0.003 * bench_draw(&y->state),
+                           0.003 * bench_draw(&y->state)};
+      const int b = yard_body(y, x, m, &I, v);
+      for (int side = 0; side < 2; side++) {
+        const int lower = k + side - !odd, end = side ? logs - 1 : 0;
+        const double lean = row ? 1.047 + 0.01 * bench_draw(&y->state) : pi / 2;
+        const double n[3] = {(side ? -1 : 1) * cos(lean), sin(lean), 0};
+        const double at[3] = {x[0] - 0.5 * n[0], x[1] - 0.5 * n[1], 0};
+        const double post[3] = {side ? -1 : 1, 0, 0};
+        const double wall[3] = {x[0] + (side ? 0.5 : -0.5), x[1], 0};
+        if (row ? lower >= 0 && lower < wide - !odd : !side)
+          yard_touch(y, b, row ? below + lower : -1, at, n);
+        if (!odd && k == end) yard_touch(y, b, -1, wall, post);
+      }
+    }
+  }
+}
+
 int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
   yard y = {.mu = mu, .state = regret_state(seed, 3)};
   int bad = -1;
@@ -235,6 +299,18 @@ int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint
     const int count = size / 3 > 2 ? size / 3 : 2;
     bad = yard_open(&y, a, 2, count, 4 * count + 4);
     if (!bad) put_wedges(&y, count);
+  } else if (strcmp(kind, "train") == 0) {
+    const int count = size / 4 + 2;
+    bad = yard_open(&y, a, 2, count, 4 * count);
+    if (!bad) put_train(&y, count);
+  } else if (strcmp(kind, "books") == 0) {
+    const int count = size / 4 + 1;
+    bad = yard_open(&y, a, 3, count, 4 * count + 4);
+    if (!bad) put_books(&y, count);
+  } else if (strcmp(kind, "logs") == 0) {
+    const int wide = (int)sqrt(size / 2.) + 2;
+    bad = yard_open(&y, a, 2, wide * wide, 2 * wide * wide + 2 * wide);
+    if (!bad) put_logs(&y, wide);
   }
   if (!bad) bad = regret_assemble(a, y.d, y.contacts, y.bodies);
   free(y.root);

@@ -149,6 +149,70 @@ static int make_rough(regret_problem *a, int size, double mu, uint64_t *state) {
   return 0;
 }
 
+/* ---- robots ---------------------------------------------------------------------------------- */
+
+/* W = H^T H and q = H^T v of a few bodies with n motions in all. H: n x m. */
+static void multiply_motions(regret_problem *a, int n, int m, const double *H, const double *v) {
+  for (int j = 0; j < m; j++) {
+    for (int i = 0; i < m; i++) {
+      double sum = 0;
+      for (int k = 0; k < n; k++)
+        sum += H[k + n * i] * H[k + n * j];
+      a->W[(size_t)i + (size_t)m * (size_t)j] = sum;
+    }
+    for (int k = 0; k < n; k++)
+      a->own.q[j] += H[k + n * j] * v[k];
+  }
+}
+
+/* The feet of a robot, or a hand around a box: n motions; groups of four contacts share a link. A
+ * link moves with the first six motions, the trunk's, and with joints of its own. */
+static int make_robot(regret_problem *a, int n, int size, double mu, int hand, uint64_t *state) {
+  enum { most = 30, least = 4, link = 4 };
+  const int nc = size < least ? least : size, m = 3 * nc, own = n > 6 ? (n - 6) / 4 : 0;
+  double T[6][most] = {{0}}, v[most];
+  double *H = calloc((size_t)m * most, sizeof *H);
+  if (!H || make_room(a, 3, nc)) {
+    free(H);
+    return -1;
+  }
+  for (int k = 0; k < n; k++)
+    v[k] = (k == 2 ? -1 : 0) + 0.3 * bench_draw(state);
+  for (int c = 0; c < nc; c++) {
+    const int l = c / link % 4;
+    for (int i = 0; i < 6 && c % link == 0; i++)
+      for (int k = 0; k < n; k++)
+        T[i][k] = k < 6                            ? (i == k) * (k < 3 ? 1 : 2.4)
+                  : (k - 6) / (own ? own : 1) == l ? bench_draw(state)
+                                                   : 0;
+    const double turn = hand ? 3.1416 * bench_draw(state) : 0;
+    const double x[3] = {hand ? -0.5 * cos(turn) : (c & 1 ? 0.1 : -0.1) + 0.01 * bench_draw(state),
+                         hand ? -0.5 * sin(turn) : (c & 2 ? 0.05 : -0.05),
+                         hand ? 0.3 * bench_draw(state) : -0.5};
+    const double e[3][3] = {{hand ? cos(turn) : 0, hand ? sin(turn) : 0, !hand},
+                            {hand ? 0 : 1, 0, hand},
+                            {hand ? sin(turn) : 0, hand ? -cos(turn) : 1, 0}};
+    for (int j = 0; j < 3; j++) {
+      const double row[6] = {e[j][0],
+                             e[j][1],
+                             e[j][2],
+                             x[1] * e[j][2] - x[2] * e[j][1],
+                             x[2] * e[j][0] - x[0] * e[j][2],
+                             x[0] * e[j][1] - x[1] * e[j][0]};
+      for (int k = 0; k < n; k++)
+        for (int i = 0; i < 6; i++)
+          H[k + n * (3 * c + j)] += row[i] * T[i][k];
+    }
+    a->own.mu[c] = mu;
+    if (hand) a->own.q[3 * c] = -0.02 * (1 + 0.5 * bench_draw(state));
+  }
+  multiply_motions(a, n, m, H, v);
+  for (int i = 0; hand && i < m; i++) /* finger tips give */
+    a->W[(size_t)i * (size_t)(m + 1)] += i % 3 ? 0.015 : 0.01;
+  free(H);
+  return 0;
+}
+
 /* ---- finite elements ------------------------------------------------------------------------- */
 
 static int copy_contact(regret_problem *a, const dls_contact *from, double mu) {
@@ -207,6 +271,9 @@ int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uin
   uint64_t state = regret_state(seed, 5);
   const int d = kind[strlen(kind) - 1] == '2' ? 2 : 3;
   if (strncmp(kind, "cube", 4) == 0) return make_cube(a, strtod(kind + 4, NULL), size, mu, seed);
+  if (strcmp(kind, "box") == 0) return make_robot(a, 6, size, mu, 0, &state);
+  if (strcmp(kind, "feet") == 0) return make_robot(a, seed % 4 < 2 ? 18 : 30, size, mu, 0, &state);
+  if (strcmp(kind, "hand") == 0) return make_robot(a, 6, size, mu, 1, &state);
   if (strcmp(kind, "rough3") == 0) return make_rough(a, size, mu, &state);
   if (strncmp(kind, "ill", 3) == 0) return make_planted(a, d, size, mu, 0, &state);
   if (strncmp(kind, "bonded", 6) == 0) return make_planted(a, d, size, mu, 1, &state);

@@ -69,6 +69,12 @@ static const struct row {
     {"cube.49", regret_elastic, 169},
     {"cube.4999", regret_elastic, 169},
     {"block2", regret_elastic, 400},
+    {"train", regret_bodies, 3000},
+    {"books", regret_bodies, 3000},
+    {"logs", regret_bodies, 3000},
+    {"box", regret_elastic, 40},
+    {"feet", regret_elastic, 40},
+    {"hand", regret_elastic, 60},
 };
 enum { row_count = sizeof rows / sizeof rows[0] };
 

@@ -34,7 +34,12 @@ typedef struct regret_problem {
  *   bonded2, bonded3         the same from 1 to 1e-2; mu = INFINITY for half of the contacts
  *   rough3                   elastic half-space under a rough rigid stamp, dense
  *   cube.49, cube.4999       cubes of solvers_scenes.c with this ratio of Poisson: 49 to 169
- *   block2                   2D blocks of solvers_scenes.c, of the nearest size there */
+ *   block2                   2D blocks of solvers_scenes.c, of the nearest size there
+ *   train                    2D gears in a row, driven at both ends
+ *   books                    3D a row of books, pressed together and lifted
+ *   logs                     2D logs in a stack between two posts
+ *   box, feet                3D one body, a robot of 18 or 30 motions on its feet: dense, that rank
+ *   hand                     3D a body among finger tips that give */
 int regret_create(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 void regret_free(regret_problem *a);
 
@@ -50,13 +55,13 @@ uint64_t regret_state(uint64_t seed, uint64_t salt);
 
 /* ---- the generators, each for the kinds of its file ------------------------------------------ */
 
-/* regret_bodies.c: gears, dome, pyramid, wedges. */
+/* regret_bodies.c: gears, dome, pyramid, wedges, train, books, logs. */
 int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
 /* regret_grains.c: ell3-rest to impact3. */
 int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
-/* regret_elastic.c: ill2 to block2. */
+/* regret_elastic.c: ill2 to block2, box, feet, hand. */
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
 /* Fills W (m x m, zeros) with `rank` eigenvalues from 1 to 1 / condition, spaced evenly in their

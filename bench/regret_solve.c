@@ -6,21 +6,27 @@
 #include "common.h"
 #include "regret.h"
 
-/* A method; most: contacts in 2D and 3D beyond which it is not tried. */
+/* A method, or a step of auto; most: contacts in 2D and 3D beyond which it is not tried. */
 typedef struct own_method {
   const char *name, *method, *acceleration;
   int most[2];
+  const char *step; /* the plan of auto; NULL: its own */
 } own_method;
 
-static const own_method automatic = {"auto", "auto", "none", {1000000, 1000000}};
-static const own_method own[] = {{"momentum", "nlgs", "momentum", {1000000, 1000000}},
-                                 {"anderson", "nlgs", "anderson", {1000000, 1000000}},
-                                 {"newton", "newton", "none", {1000000, 1000000}},
-                                 {"nlgs", "nlgs", "none", {1000000, 1000000}},
-                                 {"admm", "admm", "none", {1000000, 1000000}},
-                                 {"lemke", "lemke", "none", {300, 60}},
-                                 {"augmented", "augmented-lagrangian", "none", {1000000, 1000000}},
-                                 {"homotopy", "homotopy", "none", {150, 100}}};
+static const own_method automatic = {"auto", "auto", "none", {1000000, 1000000}, NULL};
+static const own_method own[] = {
+    {"momentum", "nlgs", "momentum", {1000000, 1000000}, NULL},
+    {"anderson", "nlgs", "anderson", {1000000, 1000000}, NULL},
+    {"newton", "newton", "none", {1000000, 1000000}, NULL},
+    {"nlgs", "nlgs", "none", {1000000, 1000000}, NULL},
+    {"admm", "admm", "none", {1000000, 1000000}, NULL},
+    {"lemke", "lemke", "none", {300, 60}, NULL},
+    {"augmented", "augmented-lagrangian", "none", {1000000, 1000000}, NULL},
+    {"homotopy", "homotopy", "none", {150, 100}, NULL},
+    {"convex", "auto", "none", {1000000, 1000000}, "convex"},
+    {"splitting", "auto", "none", {2000, 2000}, "splitting"},
+    {"cold-splitting", "auto", "none", {2000, 2000}, "cold-splitting"},
+    {"scatter", "auto", "none", {150, 100}, "scatter"}};
 enum { own_count = sizeof own / sizeof own[0], all_sweeps = 100000000 };
 
 static const double least_limit = 0.02;  /* s: below, a limit would measure the clock */
@@ -45,6 +51,7 @@ static void fill_settings(dls_solver_settings *settings, const own_method *w,
   if (!dls_method_find(w->method, &settings->method) ||
       !dls_acceleration_find(w->acceleration, &settings->acceleration))
     abort(); /* a name in the table above is wrong */
+  settings->plan = w->step;
   if (settings->method == DLS_NLGS) settings->limits.max_iterations = all_sweeps;
 }
 

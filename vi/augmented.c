@@ -39,6 +39,10 @@
  *          in the norms |D^-1/2 u| and |D^1/2 r|. Without a solution lambda grows along such a
  *          delta without end. It seldom does so on its way to a far solution: hence 10.
  *
+ *   (AU6)  a stage that auto ends early keeps lambda, s and whether (AU2) has failed. The next one
+ *          goes on from there, unless its start has less than 1/10 of the residual. auto bounds
+ *          the factorisations of such a stage
+ *
  * A warm start for which W r overflows is dropped.
  *
  * Source: [Chabrand 1998] 4.1. Errors there: with Delta xi = f_s / eps_T as printed, (34) must
@@ -61,8 +65,10 @@
 
 #include "vi_internal.h"
 
+enum { newton_steps = 30 }; /* more than (AU2) takes */
 enum { most_augmentations = 400, augmented_patience = 150, escapes_to_believe = 10 };
 
+static const double far_better = 0.1; /* (AU6) */
 static const double shrink_at_first = 0.2, shrink = 0.8, grow = 2, smallest = 1e-7, largest = 1e3;
 
 /* Factor of the penalty method: eps_c in 1 / w_c. */
@@ -73,6 +79,10 @@ struct dls_augmented {
   int d, nc;
   dls_method method;      /* DLS_PENALTY: one augmentation, from r = 0 */
   int stage;              /* of auto: from the given r */
+  int factorisations;     /* of this run so far */
+  int most_factors;       /* of a run; 0: any number */
+  double left, s;         /* (AU6): residual when the last run ended, 0: nothing is left; factor */
+  int failed;             /* (AU4): some (AU2) failed */
   int escaped;            /* 1: `direction` holds one that (AU5) accepted */
   dlsi_iterate it;        /* its u is that of x */
   double *penalty;        /* eps_c as given, if settings.penalty: nc */
@@ -162,6 +172,12 @@ const double *dlsi_augmented_direction(const dls_augmented *workspace) {
 
 /* ---- one augmentation ------------------------------------------------------------------------ */
 
+/* Returns how many steps Newton's method may take; 0: as many as it does. */
+static int augmented_steps(const dls_augmented *work, int factorisations) {
+  const int left = work->most_factors - factorisations;
+  return !work->most_factors || left >= newton_steps ? 0 : left > 1 ? left : 1;
+}
+
 /* (AU1), (AU2) Computes x from lambda; DLS_OK if its residual is <= target for the user's |q|. */
 static dls_status augmented_regularise(dls_augmented *work, const dls_contact *problem, double s,
                                        double target, int *factorisations, dls_error *error) {
@@ -178,6 +194,7 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
   const double share = size_b > size_q ? size_q / size_b : 1;
   const dls_limits limits = {.tol = target * share,
                              .warm_start = 1,
+                             .max_iterations = augmented_steps(work, *factorisations),
                              .cpu_seconds =
                                  dlsi_clock_left(&work->settings.limits, work->it.begun)};
   dls_info info;
@@ -231,18 +248,18 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
   const int most =
       work->method == DLS_PENALTY ? 1 : dlsi_most_iterations(limits, most_augmentations);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double s = 1, residual = best->residual, milestone = residual;
-  int failed = 0;               /* 1: some (AU2) failed */
+  double residual = best->residual, milestone = residual;
   int passed = 0, escaping = 0; /* augmentation of the milestone; (AU5) so often in a row */
   for (int k = 1; !dls_certificate_holds(best, it->tol); k++) {
     if (k > most) return DLS_MAX_ITERATIONS;
     const double wanted = 0.1 * dlsi_target(it->tol, fmin(best->floor_u, best->floor_r));
     const double target = k < most && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
     const dls_status status =
-        augmented_regularise(work, problem, s, target, &outcome->factorisations, error);
+        augmented_regularise(work, problem, work->s, target, &outcome->factorisations, error);
     if (status < 0) return status;
     const int solved = status == DLS_OK;
     outcome->iterations = k;
+    work->factorisations = outcome->factorisations;
     const dls_certificate now = dlsi_iterate_offer(it, problem, work->x);
     if (solved) { /* (AU5) */
       escaping = augmented_escapes(work, problem) ? escaping + 1 : 0;
@@ -254,11 +271,11 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
       memcpy(work->lambda, work->x, m * sizeof *work->lambda);
       residual = now.residual;
     }
-    const int stuck = !solved && (!settings->adaptive || (!moved && s >= largest));
+    const int stuck = !solved && (!settings->adaptive || (!moved && work->s >= largest));
     if (settings->adaptive) { /* (AU4) */
-      failed |= !solved;
-      s *= !solved ? grow : failed ? shrink : shrink_at_first;
-      s = s < smallest ? smallest : s > largest ? largest : s;
+      work->failed |= !solved;
+      work->s *= !solved ? grow : work->failed ? shrink : shrink_at_first;
+      work->s = work->s < smallest ? smallest : work->s > largest ? largest : work->s;
     }
     if (best->residual < 0.9 * milestone) {
       milestone = best->residual;
@@ -267,6 +284,7 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
     const dls_status stop =
         dlsi_iterate_tell(it, augmented_name(work), k, most, now.residual, work->x);
     if (dls_certificate_holds(best, it->tol)) break;
+    if (stop) work->left = best->residual; /* (AU6) */
     if (stop) return stop;
     if (stuck || k - passed >= augmented_patience || escaping >= escapes_to_believe)
       return DLS_STALLED;
@@ -279,11 +297,17 @@ static dls_status augmented_run(dls_augmented *work, const dls_contact *problem,
   const dls_augmented_settings *s = &work->settings;
   const int warm = work->stage || (s->limits.warm_start && work->method != DLS_PENALTY);
   dls_info outcome = {.method = work->method};
-  work->escaped = 0;
-  dlsi_iterate_begin(&work->it, problem, NULL, s->limits.tol, warm, r, work->lambda);
+  work->escaped = work->factorisations = 0;
+  dlsi_iterate_begin(&work->it, problem, NULL, s->limits.tol, warm, r, work->x);
   for (int c = 0; c < problem->nc; c++)
     work->E[c] = s->penalty ? 1 / s->penalty[c] : work->it.w[c] / s->factor;
-  (void)dlsi_iterate_start(&work->it, problem, work->lambda);
+  (void)dlsi_iterate_start(&work->it, problem, work->x);
+  if (!(work->left > 0 && work->it.certificate.residual >= far_better * work->left)) { /* (AU6) */
+    memcpy(work->lambda, work->x, (size_t)problem->d * (size_t)problem->nc * sizeof *work->x);
+    work->s = 1;
+    work->failed = 0;
+  }
+  work->left = 0;
   const dls_status status = augmented_iterate(work, problem, &outcome, error);
   if (status == DLS_OK) work->escaped = 0;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
@@ -335,6 +359,18 @@ static void augmented_destroy(void *work) {
 
 static void augmented_set_limits(void *work, const dls_limits *limits) {
   dlsi_set_limits(&((dls_augmented *)work)->settings.limits, limits);
+}
+
+void dlsi_augmented_forget(void *work) {
+  ((dls_augmented *)work)->left = 0;
+}
+
+void dlsi_augmented_allow(void *work, int factorisations) {
+  ((dls_augmented *)work)->most_factors = factorisations;
+}
+
+int dlsi_augmented_factorisations(const void *work) {
+  return ((const dls_augmented *)work)->factorisations;
 }
 
 static const double *augmented_direction(const void *work) {

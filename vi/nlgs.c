@@ -70,6 +70,7 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->rows = dlsi_take(arena, n, sizeof *work->rows);
     work->acts = dlsi_take(arena, n, sizeof *work->acts);
     work->acting = dlsi_take(arena, n, sizeof *work->acting);
+    if (work->stage) work->left.r = dlsi_take(arena, m, sizeof *work->left.r);
   }
   if (!dlsi_nlgs_has_history(s) && !dlsi_nlgs_may_turn(work)) return;
   work->x = dlsi_take(arena, m, sizeof *work->x);
@@ -255,6 +256,10 @@ static int nlgs_append(int *visits, int count, int c, int nc, const int *from) {
     visits[count++] = c++;
   while (c < nc && from[c] < 0);
   return count;
+}
+
+void dlsi_nlgs_forget(void *work) {
+  ((dls_nlgs *)work)->left.residual = 0;
 }
 
 const double *dlsi_nlgs_gap(const void *work) {

@@ -18,6 +18,7 @@
  *          A call that ends early returns the best r
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -29,7 +30,7 @@ enum { often_first = 20, look_every = 20 }; /* (NL13): sweeps between looks at a
 
 /* Recomputes u in the order of the visits, so that its bits do not depend on the numbers: sweeps go
  * on from it. */
-static void nlgs_resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
+static void nlgs_refresh(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   if (work->order) dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
 }
 
@@ -92,14 +93,20 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   dls_certificate now = it->certificate;
   if (nlgs_project_start(problem, r)) now = dlsi_iterate_offer(it, problem, r);
   if (dls_certificate_holds(&now, it->tol)) return DLS_OK;
-  nlgs_resume(work, problem, r);
-  dlsi_nlgs_begin_ways(work, problem, r);
+  const int before = pushed ? dlsi_nlgs_resume(work, problem, r) : 0; /* (NL14) */
+  if (!before) {
+    nlgs_refresh(work, problem, r);
+    dlsi_nlgs_begin_ways(work, problem, r);
+  }
+  if (before) dlsi_nlgs_estimate(work, problem, r, scale, 1, &now);
   if (pushed) dlsi_nlgs_narrow(work, problem, r); /* (NL13) */
   const int often = problem->W.a || (problem->nc < dlsi_few_candidates && !work->grouped);
-  double accepted = now.residual;
-  int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
+  double accepted = before ? work->left.accepted : now.residual;
+  int fresh = 1, changed = before ? work->left.changed : 0; /* fresh: u has no rounding of sweeps */
+  const int last = before > INT_MAX - most ? INT_MAX - 1 : before + most;
+  int turn;
   dls_status reason = DLS_MAX_ITERATIONS;
-  for (int k = 1; k <= most && reason == DLS_MAX_ITERATIONS; k++) {
+  for (int k = before + 1; k <= last && reason == DLS_MAX_ITERATIONS; k++) {
     const int looks = often || work->now == DLSI_WAY_ANDERSON ? 1 : seldom;
     if (work->now == DLSI_WAY_ANDERSON && changed) {
       dlsi_nlgs_accelerate(work, problem, now.residual, scale, &accepted, r);
@@ -115,8 +122,8 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     if (nlgs_widen(work, problem)) return DLS_E_MEMORY;
     changed = dlsi_nlgs_sweep(work, problem, dlsi_nlgs_all(work, problem), r);
     work->sweeps++;
-    *iterations = k;
-    if (changed && k % looks && k < most) {
+    *iterations = k - before;
+    if (changed && k % looks && k < last) {
       fresh = 0;
       continue;
     }
@@ -126,18 +133,21 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     fresh = !changed || dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0;
     if (fresh) now = dlsi_iterate_measure(it, problem, r); /* (NL5) */
     if (dlsi_iterate_keep(it, problem, r, &now)) return DLS_OK;
-    if (fresh) nlgs_resume(work, problem, r);
+    if (fresh) nlgs_refresh(work, problem, r);
     if (pushed && (everywhere || fresh)) dlsi_nlgs_narrow(work, problem, r); /* (NL13) */
-    const dls_status stop = dlsi_iterate_tell(it, "nlgs", k, most, now.residual, r);
+    const dls_status stop = dlsi_iterate_tell(it, "nlgs", k - before, most, now.residual, r);
     if (stop)
       reason = stop;
     else if ((!changed && was_fresh) || dlsi_iterate_is_lost(now.residual))
       reason = DLS_STALLED;
-    else if (pushed && dlsi_nlgs_change_way(work, problem, now.residual, looks, r)) {
+    else if (pushed && (turn = dlsi_nlgs_change_way(work, problem, now.residual, looks, r)) > 0) {
       accepted = INFINITY;
-      changed = fresh = 0;
+      changed = turn > 1;
+      fresh = 0;
     }
   }
+  if (reason != DLS_STALLED)
+    dlsi_nlgs_leave(work, problem, before + *iterations, changed, accepted, r);
   return dlsi_iterate_settle(it, problem, reason);
 }
 

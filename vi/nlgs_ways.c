@@ -23,6 +23,10 @@
  *          ANDERSON, in a stage of auto, is (NL6) in place of (NL8) and (NL9): the first one in 2D,
  *          the second one in 3D beyond 1000 contacts. turns.c continues the variant that halves the
  *          residual at the lowest cost; another one begins from the best r
+ *   (NL14) a stage that auto ends early, for another step or for its own limit, keeps the last
+ *          sweep, p, b, the variants and what (NL10) knows. The next one goes on from there, unless
+ *          its start has less than 1/10 of the residual. Begun again, momentum takes up to four
+ *          times as many sweeps. A variant with momentum goes on likewise after one with (NL6)
  *
  * For any x the iterate that is measured, kept as the best and returned is r = g(x). Sweeps do not
  * damp the rounding of u, and (NL6) amplifies it. With a fresh u in (NL7) and a bound on gamma,
@@ -49,6 +53,7 @@ enum { slow_first = 300, slow_turns = 800, last_patience = 3 }; /* (NL10) */
 static const double slow_momentum = 0.5;                        /* (NL10) */
 static const double turns_fall = 0.8;       /* (NL10): of the residual, with several variants */
 static const double falls = 0.9;            /* HELD: of the residual, in local_every sweeps */
+static const double far_better = 0.1;       /* (NL14) */
 static const double price_of_history = 1.5; /* a sweep with (NL6), in sweeps with (NL8) */
 
 /* ---- acceleration ---------------------------------------------------------------------------- */
@@ -105,6 +110,7 @@ void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double res
 static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, const double *r) {
   const dlsi_set all = {.count = problem->nc};
   const int n = work->motions, d = problem->d;
+  work->left.residual = 0;
   dlsi_momentum_start(&work->momentum, d, n ? n : d, all, dlsi_nlgs_rows(work, problem), r,
                       dlsi_nlgs_kept(work));
 }
@@ -180,6 +186,26 @@ static void nlgs_start_way(dls_nlgs *work, const dls_contact *problem, const dou
   memcpy(work->x, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
 }
 
+void dlsi_nlgs_leave(dls_nlgs *work, const dls_contact *problem, int k, int changed,
+                     double accepted, const double *r) {
+  if (!work->left.r || !work->stage) return;
+  work->left.sweeps = k;
+  work->left.changed = changed;
+  work->left.accepted = accepted;
+  work->left.residual = work->it.certificate.residual;
+  memcpy(work->left.r, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+}
+
+int dlsi_nlgs_resume(dls_nlgs *work, const dls_contact *problem, double *r) {
+  const double then = work->left.residual;
+  work->left.residual = 0;
+  if (!(work->it.certificate.residual >= far_better * then && then > 0)) return 0;
+  dlsi_nlgs_return(work, problem, work->left.r, r);
+  work->narrow = work->acting_count = 0;
+  memset(work->acts, 0, (size_t)problem->nc * sizeof *work->acts);
+  return work->left.sweeps;
+}
+
 void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const double *r) {
   const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
   work->now = dlsi_nlgs_has_history(&work->settings) ? DLSI_WAY_ANDERSON : DLSI_WAY_FREE;
@@ -196,7 +222,7 @@ void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const doub
 }
 
 /* (NL12) after `sweeps` sweeps, which gave r with this residual. Returns 1 if another variant
- * begins: from the best r if r is 10 % worse. */
+ * begins, from the best r if r is 10 % worse; 2 if one goes on from where it was (NL14). */
 int dlsi_nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double residual, int sweeps,
                          double *r) {
   if (work->largest < 1) return 0; /* (NL10) has ended the turns */
@@ -206,7 +232,9 @@ int dlsi_nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double resi
   if (next == DLSI_WAY_ANDERSON && nlgs_is_slow(work, problem, residual))
     next = DLSI_WAY_FREE; /* (NL10) is next */
   if (next == work->now) return 0;
+  if (work->now == DLSI_WAY_FREE) dlsi_nlgs_leave(work, problem, 1, 1, INFINITY, r);
   work->now = next;
+  if (next == DLSI_WAY_FREE && dlsi_nlgs_resume(work, problem, r)) return 2;
   if (residual > nlgs_growth * work->turns.least) dlsi_nlgs_return(work, problem, work->it.best, r);
   nlgs_start_way(work, problem, r);
   return 1;

@@ -15,6 +15,14 @@ typedef struct dlsi_nlgs_bodies {
   size_t moved_room, some_room;
 } dlsi_nlgs_bodies;
 
+/* (NL14): momentum as it was when a stage of auto ended, or when another variant began */
+typedef struct dlsi_nlgs_left {
+  double *r;       /* m: that sweep's own r, not the best one */
+  double residual; /* the best one until then; 0: nothing is left */
+  double accepted; /* of (NL7) */
+  int sweeps, changed;
+} dlsi_nlgs_left;
+
 /* (NL12) */
 typedef enum dlsi_nlgs_way { DLSI_WAY_FREE, DLSI_WAY_HELD, DLSI_WAY_ANDERSON } dlsi_nlgs_way;
 
@@ -58,6 +66,7 @@ struct dls_nlgs {
   int pause, wait;  /* (NL9): looks skipped after a set that was too large; those to come */
   double sweeps;
   dlsi_turns turns; /* (NL12) */
+  dlsi_nlgs_left left;
   dlsi_nlgs_way way[dlsi_most_ways], now;
 };
 
@@ -136,6 +145,14 @@ void dlsi_nlgs_narrow(dls_nlgs *work, const dls_contact *problem, const double *
 /* Chooses the first variant and begins it at r, to which u (or v) belongs. */
 void dlsi_nlgs_begin_ways(dls_nlgs *work, const dls_contact *problem, const double *r);
 
+/* (NL14) Keeps the state after k sweeps, r that of the last one. Nothing without momentum. */
+void dlsi_nlgs_leave(dls_nlgs *work, const dls_contact *problem, int k, int changed,
+                     double accepted, const double *r);
+
+/* (NL14) Goes back to that state, if the start is not far better than it: r, u (or v) are its own.
+ * Returns the sweeps that it has taken; 0 to begin at the start. */
+int dlsi_nlgs_resume(dls_nlgs *work, const dls_contact *problem, double *r);
+
 /* r := the start of the next sweep by (NL6) or (NL7). r = g(x) has the estimated residual
  * `residual`, the g of the sweep before had *accepted; scale = 1 / |q|. */
 void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double residual, double scale,
@@ -146,7 +163,7 @@ void dlsi_nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double res
 int dlsi_nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual, double *r);
 
 /* Changes the variant by (NL12), after `sweeps` sweeps, which gave r with this residual. Returns 1
- * if another one begins: from the best r, if r is 10 % worse. */
+ * if another one begins, from the best r if r is 10 % worse; 2 if one goes on (NL14). */
 int dlsi_nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double residual, int sweeps,
                          double *r);
 

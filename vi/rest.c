@@ -35,6 +35,10 @@
  *          sweeps: pyramids in 3D, whose fill grows faster than their contacts. Walls, domes and
  *          towers of 40,000 contacts take up to 350 sweeps.
  *
+ *   (AR12) auto lets the splitting try a problem that does not look at rest, too, once sweeps have
+ *          cost much (dlsi_rest_allow). (AR11) then has that number in place of 1000, (AR6) 15 in
+ *          place of 50 iterations once it has cost half as much, and no interior point follows
+ *
  * Source: (AR2)-(AR4) Lions and Mercier, SIAM J. Numer. Anal. 16, 1979; (AR7)-(AR9) Mehrotra's
  * predictor and corrector for cones, Andersen, Roos and Terlaky, Math. Program. 95, 2003, 249-277.
  * delta = 1e-10 keeps the factorisation definite if W is singular and P small.
@@ -55,7 +59,8 @@
 #include "vi/joints.h"
 #include "vi_internal.h"
 
-enum { measured_every = 5, metric_after = 10, rest_patience = 50, most_points = 80 };
+enum { measured_every = 5, metric_after = 10, most_points = 80 };
+enum { rest_patience = 50, short_patience = 15 };                                /* (AR6), (AR12) */
 static const double singular_rho = 1e-8, regular_rho = 1e-12, metric_rho = 1e-6; /* (AR5) */
 static const double regular_pivot = 100, least_share = 1e-3;                     /* (AR5) */
 static const double rest_relaxation = 1.4;
@@ -80,7 +85,9 @@ typedef struct rest {
   size_t entries;
   dlsi_cholesky *factor;
   dlsi_joints *joints; /* W + R of (AR3) */
-  dlsi_watch watch;    /* the clock of a factorisation */
+  double allowed;      /* sweeps, (AR12); 0: it looks at rest */
+  double refused;   /* sweeps that a factorisation would have taken, (AR11); 0: none was refused */
+  dlsi_watch watch; /* the clock of a factorisation */
   dlsi_iterate it;
 } rest;
 
@@ -195,7 +202,10 @@ static dls_status rest_foresee(rest *work, const dls_contact *problem, dlsi_chol
     work->watch.limits.progress_data = work;
   }
   factor->watch = &work->watch;
-  return factor->flops > most_fill * sweep ? DLS_STALLED : DLS_OK;
+  const double most = work->allowed > 0 ? work->allowed : most_fill;
+  if (!(factor->flops > most * sweep)) return DLS_OK;
+  work->refused = factor->flops / sweep;
+  return DLS_STALLED;
 }
 
 /* Returns the status of a factorisation: DLS_STALLED if the matrix is not definite,
@@ -264,6 +274,14 @@ static dls_status rest_next_metric(rest *work, int nc, dls_info *outcome, dls_er
   return rest_factor_metric(work, outcome, error);
 }
 
+/* Returns how many iterations may pass without a halving, (AR6) and (AR12), after k of them. */
+static int rest_patience_at(const rest *work, const dls_contact *problem, int factors, int k) {
+  const dlsi_cholesky *L = work->joints->factor;
+  const double sweep = 2. * problem->d * problem->d * problem->Wb.p[problem->nc];
+  const double spent = factors * L->flops + k * (4. * (double)L->panel[L->count] + 2 * sweep);
+  return work->allowed > 0 && spent > work->allowed / 2 * sweep ? short_patience : rest_patience;
+}
+
 /* (AR2)-(AR6). Returns DLS_OK if the certificate of an x holds, DLS_STALLED, the reason for an end
  * by the caller, or an error. */
 static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *outcome,
@@ -288,7 +306,8 @@ static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *o
         residual = now;
         since = k;
       }
-      if (k - since >= rest_patience || dlsi_certificate_meets(&work->it.certificate, work->it.tol))
+      if (k - since >= rest_patience_at(work, problem, outcome->factorisations, k) ||
+          dlsi_certificate_meets(&work->it.certificate, work->it.tol))
         return DLS_STALLED; /* (AR6) */
     }
     if ((k == metric_after || k == 2 * metric_after) && !regular)
@@ -420,11 +439,12 @@ static dls_status rest_solve(void *rest_work, const dls_contact *problem, double
   dlsi_iterate *it = &work->it;
   dls_info outcome = {.method = DLS_ADMM};
   dls_status status = DLS_OK;
+  work->refused = 0;
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, work->limits.warm_start, r, work->r);
   if (!dlsi_iterate_start(it, problem, work->r)) {
     status = rest_set(work, problem);
     if (!status) status = rest_split(work, problem, &outcome, error);
-    if (status == DLS_STALLED && outcome.factorisations > 0 &&
+    if (status == DLS_STALLED && outcome.factorisations > 0 && !(work->allowed > 0) &&
         !dlsi_certificate_meets(&it->certificate, it->tol)) {
       outcome.stages = 1; /* auto's report takes the name from here */
       outcome.stage[0].step = DLS_STEP_INTERIOR;
@@ -459,6 +479,14 @@ static dls_status rest_create(void **out, int d, int nc, const dlsi_options *opt
                               dls_error *error) {
   rest filled = {.limits = options->limits, .d = d, .nc = nc};
   return dlsi_workspace(out, &filled, sizeof filled, rest_carve, nc, error);
+}
+
+void dlsi_rest_allow(void *work, double sweeps) {
+  ((rest *)work)->allowed = sweeps;
+}
+
+double dlsi_rest_refused(const void *work) {
+  return ((const rest *)work)->refused;
 }
 
 /* A stage of auto only, without a number among the methods: it begins as a splitting. */

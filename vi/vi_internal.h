@@ -172,6 +172,28 @@ void dlsi_newton_keep(void *work, const double *u, int no_more);
  * dlsi_nlgs_map renames the visits. */
 void dlsi_newton_map(void *work, int nc, const int *from);
 
+/* Lets the convex problem of rest.c take factorisations of so many sweeps, (AR12); 0: (AR11). */
+void dlsi_rest_allow(void *work, double sweeps);
+
+/* Returns the sweeps of the factorisation that the last run of rest.c has refused; 0: none. */
+double dlsi_rest_refused(const void *work);
+
+/* Returns about how many operations a factorisation by joints.c of a problem of bodies takes
+ * (fill.c), hardly too many; 0 if there are no bodies. */
+double dlsi_foresee_fill(const dls_contact *problem);
+
+/* Returns the factorisations that the run of the augmented Lagrangian has taken so far. */
+int dlsi_augmented_factorisations(const void *work);
+
+/* Lets a run of the augmented Lagrangian take so many factorisations, within an augmentation; 0:
+ * any number. */
+void dlsi_augmented_allow(void *work, int factorisations);
+
+/* Makes the next run of this stage of auto begin at its start, whatever the last one has left
+ * (NL14), (AU6): it is of another problem, or from r = 0. */
+void dlsi_nlgs_forget(void *work);
+void dlsi_augmented_forget(void *work);
+
 /* Returns u of the answer of the last run of nlgs, after DLS_OK. */
 const double *dlsi_nlgs_gap(const void *work);
 void dlsi_nlgs_map(void *work, int nc, const int *from);

@@ -80,6 +80,8 @@ typedef struct dls_solver dls_solver;
  *   1  up to 20 contacts that W does not couple: one by one, in closed form
  *   2  accelerated sweeps and Newton's method in turn, by their progress and cost; ADMM in between.
  *      W by blocks: sweeps with momentum after them beyond 100 contacts, in their place beyond 1000
+ *      and in turns of equal cost with the augmented Lagrangian; after 200 sweeps the convex problem.
+ *      3D, dense W of up to 180 rows: the augmented Lagrangian after Newton's method
  *   3  up to 300 rows, on a renumbered and scaled copy, so that the order of the contacts does not
  *      matter: Lemke's method, homotopy, Newton's method from random starts, ADMM
  *   4  beyond 300 rows: Lemke's method while its table is small, augmented Lagrangian, ADMM
@@ -112,7 +114,8 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
  *
  *   r (m)   in: the start if warm_start; out: the reactions
  *   u (m)   or NULL: W r + q
- *   info    or NULL
+ *   info    or NULL: up to 60 rows auto then does not predict info.error, and does not improve an
+ *           answer whose error is large
  *
  * r and u must not overlap each other or W, q, mu (DLS_E_ARGUMENT). Allocates nothing if W has the
  * storage that limits.blocks announced, apart from MUMPS (newton.h) and from the proof of r with

@@ -32,10 +32,15 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
-  work->may_rest = !dlsi_auto_is_left_out(work, REST) && dlsi_auto_looks_at_rest(work);
   work->has_pushed = work->has_augmented = work->stepped = 0;
+  work->sweeps = work->turn = 0;
+  work->has_foreseen = work->has_ended = work->gave_way = 0;
+  work->rests = !dlsi_auto_is_left_out(work, REST) && dlsi_auto_looks_at_rest(work);
+  work->info.at_rest = work->rests && !dlsi_auto_has_plan(work);
+  work->convex_from = dlsi_auto_first_try(work);
   work->info.regime = dlsi_auto_regime(work);
-  work->info.at_rest = work->may_rest && !dlsi_auto_has_plan(work);
+  if (work->part[PUSH]) dlsi_nlgs_forget(work->part[PUSH]);
+  if (work->part[AUGMENTED]) dlsi_augmented_forget(work->part[AUGMENTED]);
   work->info.candidates = work->whole;
   work->info.blocks = problem->W.a ? 0 : problem->Wb.x ? problem->Wb.p[problem->nc] : -1;
   work->info.left_out = work->touches ? work->whole - work->touches : 0;
@@ -117,7 +122,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
   status = dlsi_auto_prove(work, work->problem, status);
   if (status == DLS_OK || status == DLS_TO_ROUNDING)
-    status = dlsi_auto_take_to_accuracy(work, status, error);
+    status = dlsi_auto_take_to_accuracy(work, info != NULL, status, error);
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);

@@ -25,16 +25,18 @@ typedef enum part {
   PUSH,           /* Gauss-Seidel with momentum, in turn with Anderson's acceleration */
   SETTLE,         /* ADMM from a near r: an answer may lie beside it in a narrow basin */
   parts,
-  END = parts
+  END = parts,
+  AGAIN /* back by `most` steps, while one of them has given way to another */
 } part;
 
 /* A step of a plan. */
 typedef enum step_flags {
-  COLD = 1,       /* from r = 0, whatever was found before */
-  EARLY = 2,      /* on a copy of its own, and only if that is cheap for so few contacts */
-  FAR = 4,        /* only far from the answer */
-  SORTED = 8,     /* only where most states are those of the answer: e <= dlsi_auto_unsorted */
-  ANY_SWEEPS = 16 /* SWEEPS, or PUSH where those are not open */
+  COLD = 1,        /* from r = 0, whatever was found before */
+  EARLY = 2,       /* on a copy of its own, and only if that is cheap for so few contacts */
+  IN_TURN = 4,     /* in turns of equal cost with momentum (regime.c) */
+  SORTED = 8,      /* only where most states are those of the answer: e <= dlsi_auto_unsorted */
+  ANY_SWEEPS = 16, /* SWEEPS, or PUSH where those are not open */
+  SMALL = 32       /* only where W is dense and has few rows: dlsi_auto_may_augment_early */
 } step_flags;
 
 typedef struct step {
@@ -117,14 +119,22 @@ typedef struct dlsi_auto {
   double begun;       /* CPU seconds when the solve began; -1: nobody asks */
   int failures;       /* of Newton's method */
   int has_split;      /* splitting has been tried */
-  int may_rest;       /* the convex problem is worth a try, and has not been tried */
-  int has_pushed;     /* momentum got nowhere */
-  int has_augmented;  /* the augmented Lagrangian has been tried */
-  int known;          /* v[0] is u of the start as it follows from (SQ1) */
-  int far;            /* e of that start is above far_start */
-  int stepped;        /* began with (SQ2) */
+  int gave_way;       /* a step has ended for the convex problem's or the next one's sake */
+  double sweeps;      /* of this solve, in the steps that have ended */
+  double convex_from; /* sweeps from which the convex problem is worth a try; INFINITY: never */
+  double turn;       /* sweeps of momentum in this turn, then as much of the augmented Lagrangian */
+  int rests;         /* dlsi_auto_looks_at_rest, and the convex problem is not left out */
+  int has_foreseen;  /* the fill of the convex problem */
+  int has_ended;     /* the augmented Lagrangian, by itself */
+  int has_pushed;    /* momentum got nowhere */
+  int has_augmented; /* the augmented Lagrangian has been tried */
+  int known;         /* v[0] is u of the start as it follows from (SQ1) */
+  int far;           /* e of that start is above far_start */
+  int stepped;       /* began with (SQ2) */
 
   /* of the step under way */
+  int takes_turns;      /* momentum gives way to the augmented Lagrangian (FC4) */
+  int in_turn;          /* the augmented Lagrangian ends when it has cost `turn` */
   int counted;          /* of a plan that the caller has named: no forecast ends the step, */
   int most;             /* ... but so many iterations do, if not 0 */
   dls_reason why;       /* why its watch has ended it, and ... */
@@ -158,10 +168,13 @@ int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only whe
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */
 int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual);
 int dlsi_auto_looks_at_rest(const dlsi_auto *work);
+double dlsi_auto_first_try(const dlsi_auto *work); /* of the convex problem: convex_from */
 int dlsi_auto_has_splitting(const dlsi_auto *work);
 int dlsi_auto_may_sweep(const dlsi_auto *work);
 int dlsi_auto_may_push(const dlsi_auto *work);
 int dlsi_auto_may_rest(const dlsi_auto *work);
+int dlsi_auto_may_take_turn(const dlsi_auto *work);     /* IN_TURN */
+int dlsi_auto_may_augment_early(const dlsi_auto *work); /* SMALL */
 int dlsi_auto_may_split(const dlsi_auto *work);
 int dlsi_auto_may_step(const dlsi_auto *work);
 int dlsi_auto_may_pivot(const dlsi_auto *work);
@@ -181,6 +194,9 @@ double dlsi_auto_count_unknowns(const dls_contact *problem, const double *r);
 double dlsi_auto_cost_of_newton(dlsi_auto *work);      /* (PR2), sweeps */
 double dlsi_auto_cost_of_split(const dlsi_auto *work); /* (PR3), sweeps */
 
+double dlsi_auto_cost_of_augmented(const dlsi_auto *work); /* (PR5), sweeps */
+int dlsi_auto_factors_of_turn(const dlsi_auto *work);
+
 /* (PR4) Returns what a line of the report has cost, in sweeps; k: unknowns. */
 double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage *stage);
 
@@ -189,6 +205,7 @@ double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage 
 int dlsi_auto_watch_sweeps(void *data, const dls_progress *p);
 int dlsi_auto_watch_newton(void *data, const dls_progress *p);
 int dlsi_auto_watch_push(void *data, const dls_progress *p);
+int dlsi_auto_watch_augmented(void *data, const dls_progress *p);
 int dlsi_auto_watch_limits(void *data, const dls_progress *p);
 int dlsi_auto_watch_count(void *data, const dls_progress *p); /* of `counted` */
 
@@ -294,7 +311,9 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error);
  * succeeds the best r is the improved one, and the status DLS_OK or DLS_TO_ROUNDING. */
 dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_status status);
 
-dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_status status, dls_error *error);
+/* asked: the caller reads info. */
+dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int asked, dls_status status,
+                                      dls_error *error);
 
 /* Sets info.ambiguous and info.unique. u: of r; NULL: not known. */
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r, const double *u);

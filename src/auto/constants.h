@@ -23,23 +23,26 @@ enum {                             /* unit      reason */
   dlsi_auto_many            = 1000,/* contacts  more are not swept with Anderson alone */
   dlsi_auto_split_least     = 100, /* rows      fewer are solved before ADMM has its factors */
   dlsi_auto_rest_least      = 150, /* rows      the same of the convex problem */
+  dlsi_auto_few_rows        = 180, /* rows      W dense: factors take less than paths and pivots */
   dlsi_auto_small           = 300, /* rows      1000 factorisations take some seconds: searches */
   dlsi_auto_large           = 3000,/* rows      more: no second method from r = 0, no late table */
   dlsi_auto_early_rows      = 400, /* LCP rows  its table stays in the cache: pivots before sweeps
                                                 go on */
+  dlsi_auto_usual_blocks    = 10,  /* blocks a contact, where nobody has told */
+  dlsi_auto_rest_fill       = 1000,/* sweeps    factors where bodies look at rest (vi/rest.c) */
   dlsi_auto_loose_blocks    = 4,   /* blocks a contact, its own included: factors cost few sweeps */
   dlsi_auto_sure_contacts   = 2    /* contacts, d = 3, all of whose states the steps cover */
 };
 
 /* ---- 2. Plans: iterations (plan.c) ---------------------------------------------------------- */
 enum {
+  dlsi_auto_few_augments    = 12,  /* augmented Lagrangian, few rows: all that it solves take 11 */
   dlsi_auto_splits          = 200, /* ADMM, before Newton again or pivots: more cost more */
   dlsi_auto_cold_splits     = 2000,/* ADMM from r = 0 */
   dlsi_auto_settle_splits   = 20000,/* ADMM near an answer, up to 300 rows: a second or two */
   dlsi_auto_short_settle    = 2000,/* ... before many paths: hundredths of a second */
   dlsi_auto_few_pushes      = 200, /* momentum, few contacts: before pivots */
-  dlsi_auto_long_pushes     = 2000,/* momentum: before pivots, the augmented Lagrangian, ... */
-  dlsi_auto_short_pushes    = 500, /* ... and after Newton */
+  dlsi_auto_long_pushes     = 2000,/* momentum, few contacts: before splitting */
   dlsi_auto_all_pushes      = 1000000,/* momentum, packings: it ends by itself */
   dlsi_auto_early_path      = 20,  /* homotopy, d = 3, few contacts: its answers mostly take less */
   dlsi_auto_short_path      = 100, /* homotopy, before an r near its end is improved */
@@ -50,9 +53,11 @@ enum {
 /* ---- 3. The cost model (price.c), in sweeps with Anderson's acceleration --------------------- */
 enum {
   dlsi_auto_usual_splits    = 50,  /* sweeps: all of ADMM where m = k and mu <= 1 */
+  dlsi_auto_usual_factors   = 40,  /* steps of Newton: all of the augmented Lagrangian */
   dlsi_auto_most_of_step    = 50   /* sweeps: a step of Newton, before fill */
 };
 static const double dlsi_auto_few_filled  = 6000; /* unknowns, 3D by blocks: more have fill */
+static const double dlsi_auto_flat_filled = 2000; /* unknowns, 2D: the same of packings */
 static const double dlsi_auto_step_sweeps = 1.5;  /* sweeps: a step on kept factors */
 
 /* ---- 4. The forecast (forecast.c) ----------------------------------------------------------- */
@@ -61,6 +66,8 @@ enum {
   dlsi_auto_first_sweeps    = 10,  /* sweeps before a forecast is believed, ... */
   dlsi_auto_first_of_few    = 60,  /* ... of few contacts by blocks: a sweep costs nothing there */
   dlsi_auto_ahead           = 100, /* sweeps ahead: the convex problem or momentum takes fewer */
+  dlsi_auto_turn_errs       = 4,   /* turns ahead: fewer may be an error of the forecast */
+  dlsi_auto_sweeps_before   = 200, /* sweeps before the convex problem of what is not at rest */
   dlsi_auto_first_patience  = 4,   /* steps of Newton without progress, at least ... */
   dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton.c */
 };

@@ -15,6 +15,15 @@
  *   (FC3)  Newton's method ends if S steps have not reduced e. S = 4, or as many as cost
  *          half of (FC1) and of splitting, up to 12; doubled by each failure
  *
+ *   (FC4)  momentum gives way to the augmented Lagrangian once the sweeps of the solve cost a turn,
+ *          if (FC1) exceeds four turns. A turn is PR5 of price.c at first. The augmented Lagrangian
+ *          ends after a turn of its own, which doubles the next. Both go on from where they were
+ *          (NL14, AU6), so that neither takes much more than three times its cost alone
+ *   (FC5)  sweeps give way to the convex problem if (FC1) exceeds 100: at once where bodies look at
+ *          rest, elsewhere after 200 sweeps, if (FC1) exceeds twice the sweeps so far. There a
+ *          factorisation may cost as many sweeps as were made; else the step waits for so many. The
+ *          fill of bodies is foreseen before W is formed (vi/fill.c)
+ *
  * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
  * same steps and gives the same bits.
  */
@@ -48,7 +57,23 @@ static int end_as_costlier(dlsi_auto *work, double ahead, double next) {
   work->why = DLS_REASON_COSTLIER;
   work->foreseen[0] = ahead;
   work->foreseen[1] = next;
+  work->gave_way = 1;
   return 1;
+}
+
+/* Returns 1 after so many sweeps, with `ahead` more, if the convex problem is next: (FC5). */
+static int is_convex_due(dlsi_auto *work, double sweeps, double ahead) {
+  if (sweeps < work->convex_from || ahead <= dlsi_auto_ahead) return 0;
+  if (!work->info.at_rest && ahead <= 2 * sweeps) return 0;
+  if (!work->has_foreseen) {
+    const dls_contact *problem = work->problem;
+    const int told = work->options.limits.blocks, d = problem->d;
+    const double blocks = told > 1 ? told : dlsi_auto_usual_blocks * (double)problem->nc;
+    const double fill = dlsi_foresee_fill(problem) / (2 * d * d * blocks);
+    work->has_foreseen = 1;
+    if (fill > fmax(sweeps, work->info.at_rest ? dlsi_auto_rest_fill : 0)) work->convex_from = fill;
+  }
+  return sweeps >= work->convex_from;
 }
 
 int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
@@ -67,7 +92,8 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   const double newton = dlsi_auto_cost_of_newton(work),
                ahead = (work->least - work->target) / work->rate;
   const double other = dlsi_auto_is_packing(work) && !work->has_pushed ? dlsi_auto_ahead : newton;
-  const double next = work->may_rest ? fmin(other, dlsi_auto_ahead) : other;
+  const int convex = is_convex_due(work, work->sweeps + p->iteration, ahead);
+  const double next = convex ? fmin(other, dlsi_auto_ahead) : other;
   if (work->d == 3 && p->residual > dlsi_auto_unsorted &&
       dlsi_auto_cost_of_split(work) < 2 * newton)
     work->costly = 1;
@@ -107,11 +133,28 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   work->since = p->iteration;
   if (p->iteration % dlsi_auto_look_every || p->iteration < 2 * dlsi_auto_first_sweeps) return 0;
   const double ahead = (now - work->target) / work->rate;
-  if (work->may_rest && ahead > dlsi_auto_ahead)
-    return end_as_costlier(work, ahead, dlsi_auto_ahead);
+  const double so_far = work->sweeps + p->iteration;
+  if (is_convex_due(work, so_far, ahead)) return end_as_costlier(work, ahead, dlsi_auto_ahead);
+  if (work->takes_turns) { /* (FC4) */
+    const double turn = fmax(work->turn, dlsi_auto_cost_of_augmented(work));
+    if (so_far >= turn && ahead > dlsi_auto_turn_errs * turn) {
+      work->turn = turn;
+      return end_as_costlier(work, ahead, turn);
+    }
+  }
   if (!dlsi_auto_is_near(work, p->residual)) return 0;
   const double newton = dlsi_auto_cost_of_newton(work);
   return ahead > newton && end_as_costlier(work, ahead, newton);
+}
+
+int dlsi_auto_watch_augmented(void *data, const dls_progress *p) {
+  DLSI_DOOR;
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  dls_stage so_far = {.method = DLS_AUGMENTED_LAGRANGIAN, .iterations = p->iteration};
+  so_far.factorisations = dlsi_augmented_factorisations(work->part[AUGMENTED]);
+  const double cost = dlsi_auto_price_of(work->problem, work->unknowns, &so_far);
+  return work->in_turn && cost >= work->turn && end_as_costlier(work, cost, work->turn);
 }
 
 int dlsi_auto_watch_limits(void *data, const dls_progress *p) {
@@ -148,5 +191,6 @@ void dlsi_auto_begin_watch(dlsi_auto *work) {
   work->since = 0;
   work->patience = patience_of_newton(work);
   work->why = DLS_REASON_NO_PROGRESS;
+  work->takes_turns = dlsi_auto_is_packing(work) && !work->has_ended;
   work->foreseen[0] = work->foreseen[1] = 0;
 }

@@ -13,7 +13,7 @@ const step_kind dlsi_auto_kind[parts] = {
                    usual_way},
     [REST] = {&dlsi_rest_method, dlsi_auto_watch_limits, dlsi_auto_may_rest, 0, usual_way},
     [NEWTON] = {&dlsi_newton_method, dlsi_auto_watch_newton, dlsi_auto_may_step, 0, usual_way},
-    [AUGMENTED] = {&dlsi_augmented_method, dlsi_auto_watch_limits, NULL, 0, usual_way},
+    [AUGMENTED] = {&dlsi_augmented_method, dlsi_auto_watch_augmented, NULL, 0, usual_way},
     [PIVOTING] = {&dlsi_lemke_method, dlsi_auto_watch_limits, dlsi_auto_may_pivot, 0, usual_way},
     [COLD_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, dlsi_auto_cold_splits,
                         usual_way},
@@ -28,62 +28,36 @@ const step_kind dlsi_auto_kind[parts] = {
 };
 
 /* Elastic bodies. */
-static const step elastic[] = {{SWEEPS, 0, 0},       {REST, 0, 0},
-                               {SPLITTING, 0, 0},    {NEWTON, 0, 0},
-                               {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, dlsi_auto_early_path},
-                               {SPLITTING, 0, 0},    {SWEEPS, 0, 0},
-                               {NEWTON, 0, 0},       {END, 0, 0}};
+static const step elastic[] = {{SWEEPS, 0, 0},
+                               {REST, 0, 0},
+                               {SPLITTING, 0, 0},
+                               {NEWTON, 0, 0},
+                               {AUGMENTED, SMALL, dlsi_auto_few_augments},
+                               {PIVOTING, EARLY, 0},
+                               {HOMOTOPY, EARLY, dlsi_auto_early_path},
+                               {SPLITTING, 0, 0},
+                               {SWEEPS, 0, 0},
+                               {NEWTON, 0, 0},
+                               {END, 0, 0}};
 
 /* Few contacts of many bodies: sweeps mostly come in. Where they do not, momentum from r = 0 does,
  * or pivots, cheap in 2D; Newton's method seldom. */
-static const step few[] = {{SWEEPS, 0, 0},
-                           {REST, 0, 0},
-                           {NEWTON, 0, 0},
-                           {PUSH, COLD, dlsi_auto_few_pushes},
-                           {NEWTON, 0, 0},
-                           {PIVOTING, EARLY, 0},
-                           {HOMOTOPY, EARLY, dlsi_auto_early_path},
-                           {NEWTON, 0, 0},
-                           {PUSH, 0, dlsi_auto_long_pushes},
-                           {NEWTON, 0, 0},
-                           {COLD_SPLITTING, COLD, dlsi_auto_splits},
-                           {NEWTON, 0, 0},
-                           {END, 0, 0}};
+static const step few[] = {{SWEEPS, 0, 0},       {REST, 0, 0},
+                           {NEWTON, 0, 0},       {PUSH, COLD, dlsi_auto_few_pushes},
+                           {REST, 0, 0},         {NEWTON, 0, 0},
+                           {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, dlsi_auto_early_path},
+                           {NEWTON, 0, 0},       {PUSH, 0, dlsi_auto_long_pushes},
+                           {NEWTON, 0, 0},       {COLD_SPLITTING, COLD, dlsi_auto_splits},
+                           {NEWTON, 0, 0},       {END, 0, 0}};
 
-/* Momentum in turn with Newton's method, which leads nowhere far from the answer. */
-static const step packing[] = {{SWEEPS, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
-                               {PUSH, 0, 0},   {NEWTON, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
-                               {PUSH, 0, 0},   {NEWTON, 0, 0}, {END, 0, 0}};
+/* Momentum, in turn with Newton's method, which leads nowhere far from the answer (regime.c), and
+ * with the augmented Lagrangian, which ends chains through which a reaction takes thousands of
+ * sweeps. The convex problem is taken when sweeps have cost as much (FC5). */
+static const step packing[] = {{SWEEPS, 0, 0},          {REST, 0, 0},  {NEWTON, 0, 0}, {PUSH, 0, 0},
+                               {AUGMENTED, IN_TURN, 0}, {AGAIN, 0, 4}, {END, 0, 0}};
 
-static const step tight[] = {{PUSH, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
-                             {PUSH, 0, 0}, {NEWTON, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
-                             {PUSH, 0, 0}, {NEWTON, 0, 0}, {END, 0, 0}};
-
-/* The same in 2D up to 1000 candidates, where the factors of the augmented Lagrangian have little
- * fill: chains, through which a reaction takes thousands of sweeps, end with it. */
-static const step flat_packing[] = {{SWEEPS, 0, 0},
-                                    {REST, 0, 0},
-                                    {PUSH, FAR, dlsi_auto_long_pushes},
-                                    {NEWTON, 0, 0},
-                                    {PUSH, 0, dlsi_auto_short_pushes},
-                                    {NEWTON, 0, 0},
-                                    {AUGMENTED, 0, 0},
-                                    {PUSH, 0, 0},
-                                    {NEWTON, 0, 0},
-                                    {PUSH, 0, 0},
-                                    {NEWTON, 0, 0},
-                                    {END, 0, 0}};
-
-static const step flat_tight[] = {{PUSH, 0, dlsi_auto_long_pushes},
-                                  {NEWTON, 0, 0},
-                                  {PUSH, 0, dlsi_auto_short_pushes},
-                                  {NEWTON, 0, 0},
-                                  {AUGMENTED, 0, 0},
-                                  {PUSH, 0, 0},
-                                  {NEWTON, 0, 0},
-                                  {PUSH, 0, 0},
-                                  {NEWTON, 0, 0},
-                                  {END, 0, 0}};
+static const step tight[] = {{PUSH, 0, 0},  {REST, 0, 0}, {NEWTON, 0, 0}, {AUGMENTED, IN_TURN, 0},
+                             {AGAIN, 0, 4}, {END, 0, 0}};
 
 /* What the first plan leaves, up to 300 rows. Pivots prove that there is no solution, or end it;
  * the rest searches. Beside a short path the augmented Lagrangian and ADMM improve its r, before
@@ -111,7 +85,5 @@ const step *dlsi_auto_first_plan(const dlsi_auto *work) {
   if (dlsi_auto_has_plan(work)) return work->given->step;
   if (dlsi_auto_is_few(work)) return few;
   if (!dlsi_auto_is_packing(work)) return elastic;
-  const int loose = dlsi_auto_may_sweep(work);
-  if (work->d > 2 || work->problem->nc > dlsi_auto_many) return loose ? packing : tight;
-  return loose ? flat_packing : flat_tight;
+  return dlsi_auto_may_sweep(work) ? packing : tight;
 }

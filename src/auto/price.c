@@ -13,6 +13,8 @@
  *   (PR3)  all of splitting: 50 max(mu, 1)^2 m / k sweeps, its factorisation included; mu: the mean
  *          of the candidates with a reaction. Its iterations read m^2 where a sweep reads k m.
  *   (PR4)  what a line of the report has cost: a table of its iterations and factorisations
+ *   (PR5)  all of the augmented Lagrangian: 40 steps of Newton's method; in 2D (k / 2000)^2 times
+ *          as many from 2000 on, because packings of discs of all sizes have much fill
  */
 #include <math.h>
 
@@ -68,6 +70,18 @@ double dlsi_auto_cost_of_newton(dlsi_auto *work) {
   work->step = price_of_step(problem, k);
   work->costly = dense && !settled && work->step > dlsi_auto_most_of_step;
   return (settled ? problem->d - 1 : 4) * (1 << work->failures) * work->step;
+}
+
+double dlsi_auto_cost_of_augmented(const dlsi_auto *work) {
+  const double k = dlsi_auto_count_unknowns(work->problem, work->r);
+  const double fill = work->d == 2 ? fmax(k / dlsi_auto_flat_filled, 1) : 1;
+  return dlsi_auto_usual_factors * fill * fill * price_of_step(work->problem, k);
+}
+
+/* Returns the factorisations that cost a turn of the augmented Lagrangian. */
+int dlsi_auto_factors_of_turn(const dlsi_auto *work) {
+  const double k = dlsi_auto_count_unknowns(work->problem, work->best);
+  return (int)fmax(1, work->turn / price_of_step(work->problem, k));
 }
 
 /* (PR4). Steps of Newton's method on factors that serve on take 5 sweeps; an augmentation about 10

@@ -40,7 +40,7 @@ int dlsi_auto_may_push(const dlsi_auto *work) {
 
 static int is_tight(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
-  if (!problem->Wb.x || work->may_rest) return 0;
+  if (!problem->Wb.x || work->rests) return 0;
   return problem->Wb.p[problem->nc] / (2 * problem->d + 1) >= problem->nc;
 }
 
@@ -90,8 +90,28 @@ int dlsi_auto_looks_at_rest(const dlsi_auto *work) {
   return outside <= dlsi_auto_share_outside * dlsi_auto_share_outside * all;
 }
 
+double dlsi_auto_first_try(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  if (work->info.at_rest) return 0;
+  const int out = problem->W.a || dlsi_auto_is_left_out(work, REST) || dlsi_auto_has_plan(work);
+  return out || problem->d * problem->nc < dlsi_auto_rest_least ? INFINITY
+                                                                : dlsi_auto_sweeps_before;
+}
+
 int dlsi_auto_may_rest(const dlsi_auto *work) {
-  return work->may_rest;
+  const dls_info *info = &work->info;
+  if (work->sweeps < work->convex_from || work->convex_from == 0 || info->stages == 0)
+    return work->convex_from == 0;
+  const int yields = info->stage[info->stages - 1].reason == DLS_REASON_COSTLIER;
+  return (yields || work->has_pushed) && !dlsi_auto_is_near(work, info->certificate.residual);
+}
+
+int dlsi_auto_may_take_turn(const dlsi_auto *work) {
+  return !work->has_ended && (work->has_pushed || (work->turn > 0 && work->sweeps >= work->turn));
+}
+
+int dlsi_auto_may_augment_early(const dlsi_auto *work) {
+  return work->d == 3 && work->problem->W.a && 3 * work->problem->nc <= dlsi_auto_few_rows;
 }
 
 int dlsi_auto_has_splitting(const dlsi_auto *work) {

@@ -63,15 +63,26 @@ static dls_status run_part(dlsi_auto *work, part k, dls_info *info, dls_error *e
   const dls_limits limits = limits_of(work, k);
   dls_contact of_bodies = *work->problem; /* momentum takes the factors even where W is formed */
   if (k == PUSH && of_bodies.bodies.H) of_bodies.Wb = (dls_blocks){0};
+  if (k == AUGMENTED)
+    dlsi_augmented_allow(home, work->in_turn ? dlsi_auto_factors_of_turn(work) : 0);
+  if (k == REST) dlsi_rest_allow(home, work->convex_from > 0 ? work->sweeps : 0);
   kind->method->set_limits(home, &limits);
   return kind->method->solve(home, &of_bodies, work->r, NULL, info, error);
 }
 
 static void remember_tries(dlsi_auto *work, part k, dls_status status) {
   if (k == SPLITTING) work->has_split = 1;
-  if (k == REST) work->may_rest = 0;
+  if (k == REST) {
+    const double refused = status == DLS_STALLED ? dlsi_rest_refused(work->part[REST]) : 0;
+    work->convex_from = refused > 0 ? refused : INFINITY;
+  }
   if (k == PUSH && status == DLS_STALLED) work->has_pushed = 1;
-  if (k == AUGMENTED) work->has_augmented = 1;
+  if (k != AUGMENTED) return;
+  work->has_augmented = 1;
+  if (work->why == DLS_REASON_COSTLIER)
+    work->turn *= 2;
+  else
+    work->has_ended = 1;
 }
 
 /* Returns why a step has ended, with this status and this certificate of its r. */
@@ -128,6 +139,7 @@ static void report(dlsi_auto *work, part k, dls_status status, const dls_info *i
   line->cpu_seconds = dlsi_clock_since(work->begun) - begun;
   all->iterations += info->iterations;
   all->factorisations += info->factorisations;
+  if (k == SWEEPS || k == PUSH) work->sweeps += info->iterations;
   if (k == NEWTON && work->failures < dlsi_auto_most_failures) work->failures++;
   if (!dlsi_is_better(&info->certificate, &all->certificate)) return;
   all->certificate = info->certificate;
@@ -152,6 +164,9 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   dls_info info = {.status = DLS_OK};
   if (!status) status = dlsi_auto_create_part(work, dlsi_auto_home_of(k), &why);
+  work->in_turn = s.flags & IN_TURN && !work->has_pushed;
+  if (s.flags & COLD && k == PUSH && !status) dlsi_nlgs_forget(work->part[PUSH]);
+  if (!work->in_turn && k == AUGMENTED && !status) dlsi_augmented_forget(work->part[AUGMENTED]);
   if (s.flags & COLD)
     memset(work->r, 0, m * sizeof *work->r);
   else
@@ -181,7 +196,8 @@ static dls_status take_first(dlsi_auto *work, const step *plan, dls_error *error
 static int is_open(const dlsi_auto *work, const step *s) {
   const step_kind *kind = &dlsi_auto_kind[s->part];
   if (dlsi_auto_is_left_out(work, s->part)) return 0;
-  if (s->flags & FAR && dlsi_auto_is_near(work, work->info.certificate.residual)) return 0;
+  if (s->flags & IN_TURN && !dlsi_auto_may_take_turn(work)) return 0;
+  if (s->flags & SMALL && !dlsi_auto_may_augment_early(work)) return 0;
   if (s->flags & SORTED && work->info.certificate.residual > dlsi_auto_unsorted) return 0;
   if (kind->may && !kind->may(work)) return 0;
   if (s->flags & EARLY && !dlsi_auto_may_go_early(work, s->part)) return 0;
@@ -220,7 +236,6 @@ static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
  * cannot be taken. */
 static part part_of_given(dlsi_auto *work, const step *s) {
   const part k = s->flags & ANY_SWEEPS && !dlsi_auto_may_sweep(work) ? PUSH : s->part;
-  work->may_rest = 0; /* whatever is next, it is what the plan says */
   if (dlsi_auto_is_left_out(work, k)) return END;
   if (!dlsi_auto_can_take(work, k)) (void)pass_over(work, k);
   return dlsi_auto_can_take(work, k) ? k : END;
@@ -236,6 +251,11 @@ static dls_status take_given(dlsi_auto *work, const step *s, part k, dls_error *
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error) {
   const int given = dlsi_auto_has_plan(work);
   for (const step *s = plan; s->part != END; s++) {
+    if (s->part == AGAIN) {
+      s -= work->gave_way ? s->most + 1 : 0;
+      work->gave_way = 0;
+      continue;
+    }
     const part k = given ? part_of_given(work, s) : is_open(work, s) ? s->part : END;
     if (k == END) continue;
     dls_status status = given              ? take_given(work, s, k, error)

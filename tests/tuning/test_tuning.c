@@ -351,7 +351,8 @@ static dls_contact column_of_bricks(int bricks, double push, int stirred, double
       .d = 2, .nc = 2 * bricks, .Wb = {2, 2 * bricks, p, i, x}, .q = load, .mu = friction};
 }
 
-/* At rest: sweeps would go up and down for long. In motion: no factorisation is risked. */
+/* At rest: sweeps would go up and down for long. In motion: no factorisation is risked before 200
+ * sweeps. */
 START_TEST(auto_splits_a_stack_at_rest) {
   const int bricks = _i % 2 ? 100 : 60; /* sparse and dense factors */
   dls_contact p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, _i >= 4, 1);
@@ -361,7 +362,7 @@ START_TEST(auto_splits_a_stack_at_rest) {
   ck_assert_int_eq(info.status, DLS_OK);
   if (_i >= 4)
     for (int k = 0; k < info.stages; k++)
-      ck_assert(info.stage[k].method != DLS_ADMM);
+      ck_assert(info.stage[k].method != DLS_ADMM || info.iterations > 200);
   else if (bricks == 60 || WITH_MUMPS) {
     ck_assert(info.stages == 2 && info.stage[1].method == DLS_ADMM);
     ck_assert_int_le(info.stage[1].iterations, 2); /* W is regular on the motions of the joints: */
