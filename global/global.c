@@ -389,7 +389,7 @@ static int solve_failed(dls_status status) {
 }
 
 /* Solves, and goes on where an answer holds only by a flight (LO3). */
-static dls_status solve_once(dls_global *work, int most, dls_error *error) {
+static dls_status solve_and_land(dls_global *work, int most, dls_error *error) {
   dls_status status = DLS_OK;
   for (int turn = 0; turn < most_landings; turn++) {
     status = dlsi_global_land(work, dlsi_global_split(work, most, error), error);
@@ -403,7 +403,7 @@ static dls_status solve_once(dls_global *work, int most, dls_error *error) {
 static dls_status solve_split(dls_global *work, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const int most = dlsi_most_iterations(work->limits, most_iterations);
-  dls_status status = solve_once(work, most, error);
+  dls_status status = solve_and_land(work, most, error);
   const dls_certificate first = work->best;
   const int spent = work->limits->max_iterations && work->iterations >= most;
   if (status != dlsi_split_first &&
@@ -420,7 +420,8 @@ static dls_status solve_split(dls_global *work, dls_error *error) {
     memset(work->x, 0, n * sizeof *work->x);
     memset(work->r, 0, m * sizeof *work->r);
     work->best = (dls_certificate){.residual = INFINITY, .body = -1};
-    then = solve_once(work, work->limits->max_iterations ? most : work->iterations + most, error);
+    then =
+        solve_and_land(work, work->limits->max_iterations ? most : work->iterations + most, error);
   }
   if (solve_failed(then)) { /* the first try has the better report */
     work->best = first;

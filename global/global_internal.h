@@ -117,8 +117,8 @@ int dlsi_global_can_split(const dls_global *work);
 /* Splits it off: f, load, gap, g, own. Spoils y and the factor of A. An error of a solve. */
 dls_status dlsi_global_split_off(dls_global *work, dls_error *error);
 
-/* Moves the rigid motions that K holds by its rounding alone out of the best pair, if rounding levels
- * need a second look, and measures it again: own and gap, g receive them, r and x the pair. Returns
+/* Moves the rigid motions that K holds by its rounding alone out of the best pair, if rounding
+ * levels need a second look, and measures it again: own and gap, g receive them, r and x the pair. Returns
  * `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there. Spoils y and the
  * factor of A. */
 dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *error);

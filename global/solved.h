@@ -4,7 +4,7 @@
 
 #include "delassus/global.h"
 
-/* Returns 1 if the certificate is of the split problem (loads.c): x, rounded to doubles, hides it. */
+/* Returns 1 if the certificate is of the split problem (loads.c), which x in doubles hides. */
 int dlsi_global_is_split(const dls_global *global);
 
 #endif

@@ -38,9 +38,10 @@
  *          augmented Lagrangian (lagrangian.c) goes on. If it does not end the solve, the splitting
  *          goes on from the best pair; if it has halved the residual, (GL12) may be tried again
  *          after twice as many iterations.
- *   (GL14) On the split problem (loads.c) g contains slips of the size of the body's own deformation,
- *          far larger than what reactions do: rho starts at w^1/2 |f'| / |g'|, at most .35, and
- *          becomes rho |r| / |rho z| if the residual has not halved and |rho z| > 30 |r|.
+ *   (GL14) On the split problem (loads.c) g contains slips of the size of the body's own
+ *          deformation, far larger than what reactions do: rho starts at w^1/2 |f'| / |g'|, at
+ *          most .35, and becomes rho |r| / |rho z| if the residual has not halved and
+ *          |rho z| > 30 |r|.
  *   (GL13) Ends when nothing has halved for 2000 iterations, or with the first NaN.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.

@@ -80,7 +80,8 @@ typedef struct dls_solver dls_solver;
  *   1  up to 20 contacts that W does not couple: one by one, in closed form
  *   2  accelerated sweeps and Newton's method in turn, by their progress and cost; ADMM in between.
  *      W by blocks: sweeps with momentum after them beyond 100 contacts, in their place beyond 1000
- *      and in turns of equal cost with the augmented Lagrangian; after 200 sweeps the convex problem.
+ *      and in turns of equal cost with the augmented Lagrangian; after 200 sweeps the convex
+ *      problem.
  *      3D, dense W of up to 180 rows: the augmented Lagrangian after Newton's method
  *   3  up to 300 rows, on a renumbered and scaled copy, so that the order of the contacts does not
  *      matter: Lemke's method, homotopy, Newton's method from random starts, ADMM

@@ -27,8 +27,9 @@ typedef struct dlsi_body {
   const int *joint; /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
   const int *piece; /* n, where there are joints: dlsi_body_pieces */
   int parts, pieces;
-  const double *balanced; /* parts: |f| of a body whose loads balance in themselves and have been split
-                             off, the scale of its rounding while no contact presses it; NULL: 0 */
+  const double *balanced; /* parts: |f| of a body whose loads balance in themselves and have been
+                             split off, the scale of its rounding while no contact presses it;
+                             NULL: 0 */
 } dlsi_body;
 
 /* Finds entry *at = 0, 1, .. of column j that counts: all, or those of the lower triangle of a

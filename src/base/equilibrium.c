@@ -2,8 +2,8 @@
  * equilibrium.c: the part of the certificate for balance of forces and for joints.
  *
  *   (EB1)  e = K x - f - H r,   a = |K||x| + |f| + |H||r|
- *   (EB2)  of a connected body     |e| / s,   s = |H||r| + min(|f|, 100 |H||r|), but at least 1e-12 of
- *          the largest s; s = |f| + |H||r| if no contact touches the body; s = |f| of before the
+ *   (EB2)  of a connected body     |e| / s,   s = |H||r| + min(|f|, 100 |H||r|), but at least 1e-12
+ *          of the largest s; s = |f| + |H||r| if no contact touches the body; s = |f| of before the
  *          split (body->balanced) where f' and |H||r| are below 1e-12 of it
  *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H||r| + |G l|, but at
  *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints
@@ -31,8 +31,8 @@ static const double least_load = 1e-12; /* (EB2) */
 static const double least_share = 1e-4; /* (EB3) */
 static const double most_load = 100;    /* (EB2) */
 
-/* e, a, f, |H||r|, G l of a row; e, 0, s_l, 0, 0 of a joint; without joints, 1 in place of G l where
- * a contact touches the unknown */
+/* e, a, f, |H||r|, G l of a row; e, 0, s_l, 0, 0 of a joint; without joints, 1 in place of G l
+ * where a contact touches the unknown */
 enum { kinds = 5 };
 
 /* Returns the number of groups of rows that are measured separately. */

@@ -196,8 +196,8 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
   return status;
 }
 
-/* x := the values of A, with M in place of rho if M is not NULL, without what H H^T adds between two
- * bodies if part is not NULL. */
+/* x := the values of A, with M in place of rho if M is not NULL, without what H H^T adds between
+ * two bodies if part is not NULL. */
 static void system_values(dlsi_system *work, double rho, const double *M, const int *part) {
   memcpy(work->x, work->K, work->of_K * sizeof *work->x);
   if (M) (void)system_list(&work->H, work->d, work->symmetric, M, NULL, NULL, work->x + work->of_K);

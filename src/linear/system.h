@@ -7,9 +7,10 @@
 #include "linear/cholesky.h"
 #include "linear/general.h"
 
-/* *out := K of a checked model, dense or sparse, as dlsi_system_create takes it: by columns, repeated
- * entries added up, of a symmetric K only the lower triangle. The caller calls dlsi_columns_free,
- * also after an error: DLS_E_MEMORY, DLS_E_SIZE, DLS_E_NOT_FINITE if a sum is infinite. */
+/* *out := K of a checked model, dense or sparse, as dlsi_system_create takes it: by columns,
+ * repeated entries added up, of a symmetric K only the lower triangle. The caller calls
+ * dlsi_columns_free, also after an error: DLS_E_MEMORY, DLS_E_SIZE, DLS_E_NOT_FINITE if a sum is
+ * infinite. */
 dls_status dlsi_stiffness_columns(const dls_model *model, dlsi_columns *out, dls_error *error);
 
 typedef struct dlsi_system {
@@ -49,8 +50,8 @@ void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse 
  * if A is not definite. DLS_E_SINGULAR, DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
 dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error);
 
-/* Factors K + rho H_p H_p^T + E, summed over bodies p, in place of A: each side of a contact is held
- * by itself. part: the connected body of each unknown, n. Errors of dlsi_system_factor. */
+/* Factors K + rho H_p H_p^T + E, summed over bodies p, in place of A: each side of a contact is
+ * held by itself. part: the connected body of each unknown, n. Errors of dlsi_system_factor. */
 dls_status dlsi_system_factor_apart(dlsi_system *work, double rho, const int *part,
                                     dls_error *error);
 
