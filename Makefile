@@ -282,6 +282,13 @@ $(BUILD)/examples/%: examples/%.c $(FE) $(FILES) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(FILES) $(A) $(LIBS)
 
+# the examples whose solves end "solved to rounding": they print the same (tests/examples/rounded.c)
+ROUNDED := $(patsubst $(BUILD)/examples/%,$(BUILD)/rounded/%,$(filter-out %/lcp,$(EXAMPLES)))
+$(BUILD)/rounded/%: examples/%.c $(BUILD)/obj/tests/examples/rounded.o $(FE) $(FILES) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) $(addprefix -Wl$(comma)--wrap=dls_,solve solve_model solver_solve reduction_solve) -o $@ $^ $(LIBS)
+
 # ---- tests --------------------------------------------------------------------------------------
 
 # what test programs share
@@ -309,7 +316,7 @@ check: deps
 .PHONY: check-build
 # the benchmarks that need nothing but the library; those beside others are in PEER_BENCHES
 BENCHES = auto blocks bodies derive dynamics hard lanes least papers problems prove report steps trust
-TESTED = all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
+TESTED = all $(TESTS) $(ROUNDED) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
 check-build: $(TESTED)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
 
@@ -321,7 +328,7 @@ check-plain:
 
 # tests and examples in other languages alone
 .PHONY: check-languages
-check-languages: all $(LANGUAGES)
+check-languages: all $(LANGUAGES) $(BUILD)/tests/languages/test_door
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) --languages
 
 .PHONY: asan

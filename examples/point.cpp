@@ -4,7 +4,7 @@
  *
  * Output:
  *   solved: r_n = 10.9375, r_t = -2.1875, x = 0.9375
- *   solve: start: has 1 entry, needs 2
+ *   solve_model: f: has 1 entry, needs 2
  */
 #include <cstdio>
 
@@ -23,13 +23,9 @@ int main() {
   model.HT = HT.view();
   const std::vector<double> mu = {0.2};
   try {
-    delassus::reduction reduction(model);
-    reduction.load({5, -10});
-    const dls_contact problem = reduction.contact(mu);
-    const delassus::answer a = delassus::solve(problem);
-    const std::vector<double> x = reduction.recover(a.r);
-    std::printf("%s: r_n = %g, r_t = %g, x = %g\n", a.text(), a.r[0], a.r[1], x[0]);
-    (void)delassus::solve(problem, delassus::settings("nlgs"), {1.0});
+    const delassus::answer a = delassus::solve_model(model, {5, -10}, {}, mu);
+    std::printf("%s: r_n = %g, r_t = %g, x = %g\n", a.text(), a.r[0], a.r[1], a.x[0]);
+    (void)delassus::solve_model(model, {5}, {}, mu);
   } catch (const delassus::error &e) {
     std::printf("%s\n", e.what());
   }

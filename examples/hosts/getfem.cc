@@ -16,7 +16,7 @@
 
 #include <cstdio>
 #include <ctime>
-#include <delassus.h>
+#include <delassus.hpp>
 
 typedef gmm::csc_matrix<double> columns;
 static dls_sparse view(const columns &A) {
@@ -72,28 +72,20 @@ int main() {
   double start = seconds();
   columns Kc, N, T;
   Kc.init_with(K), N.init_with(HN), T.init_with(HT);
-  std::vector<double> mu(nc, friction), r(3 * nc), u(3 * nc), x(n);
+  const std::vector<double> mu(nc, friction);
   dls_model model = {};
   model.d = 3, model.n = int(n), model.nodes = int(nc);
   model.operator_kind = DLS_STIFFNESS_SPARSE, model.factorization = DLS_CHOLESKY;
   model.Ks = view(Kc), model.HN = view(N), model.HT = view(T);
-  dls_reduction *reduction;
-  dls_contact problem;
-  dls_error error;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings), settings.limits.tol = 1e-12;
-  dls_status status = dls_reduction_create(&reduction, &model, &error);
-  if (!status) status = dls_reduction_load(reduction, f.data(), nullptr, &error);
-  if (!status) status = dls_reduction_contact(reduction, mu.data(), &problem, &error);
-  if (!status) status = dls_solve(&problem, &settings, r.data(), u.data(), nullptr, &error);
-  if (!status) status = dls_reduction_recover(reduction, r.data(), x.data(), &error);
-  if (status) return std::printf("delassus: %s\n", status < 0 ? error.message : "not solved"), 1;
+  delassus::settings settings;
+  settings.limits.tol = 1e-12;
+  delassus::reduction reduction(model);
+  reduction.load(f);
+  const delassus::answer a = reduction.solve(mu, nullptr, settings);
+  if (!a.solved()) return std::printf("delassus: %s\n", a.text()), 1;
   const double ours = seconds() - start;
-  std::vector<dls_contact_state> state(nc);
   int count[3] = {};
-  if (dls_contact_states(&problem, r.data(), u.data(), state.data(), &error)) return 1;
-  for (dls_contact_state s : state) count[s]++;
-  dls_reduction_destroy(reduction);
+  for (dls_contact_state s : reduction.states(mu, a)) count[s]++;
   /* GetFEM's brick */
   start = seconds();
   getfem::model md;
@@ -109,9 +101,9 @@ int main() {
   getfem::standard_solve(md, iteration);
   const double theirs = seconds() - start;
   std::vector<double> rn(nc);
-  for (size_t c = 0; c < nc; c++) rn[c] = -r[3 * c];
+  for (size_t c = 0; c < nc; c++) rn[c] = -a.r[3 * c];
   const std::vector<double> &theirs_n = md.real_variable("normal");
-  const double apart = std::max(distance(md.real_variable("u"), x), distance(theirs_n, rn));
+  const double apart = std::max(distance(md.real_variable("u"), a.x), distance(theirs_n, rn));
   std::printf("%zu unknowns, %zu contact nodes: ", n, nc);
   std::printf("free %d, slip %d, stick %d\n", count[0], count[1], count[2]);
   std::printf("x and r_n agree with GetFEM's brick to 1e-8: %s\n", apart <= 1e-8 ? "yes" : "no");

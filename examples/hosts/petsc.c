@@ -58,25 +58,22 @@ static int solve_by_ksp(void *user, double *X, int rows, int count) {
   return 0;
 }
 
-/* Condenses, solves, recovers; prints what came of it. */
+/* Solves; prints what came of it. */
 static int run(const char *name, const dls_model *model, double *unknowns) {
   dls_reduction *reduction;
-  dls_contact problem;
   dls_error error;
   dls_contact_state state[nc];
   int count[3] = {0};
-  dls_status status = dls_reduction_create(&reduction, model, &error);
+  dls_status status = dls_reduction_create(&reduction, model, NULL, &error);
   if (!status) status = dls_reduction_load(reduction, f, NULL, &error);
-  if (!status) status = dls_reduction_contact(reduction, mu, &problem, &error);
-  if (!status) status = dls_solve(&problem, NULL, r, u, NULL, &error);
-  if (!status) status = dls_reduction_recover(reduction, r, unknowns, &error);
-  if (!status) status = dls_contact_states(&problem, r, u, state, &error);
-  for (int c = 0; c < nc && !status; c++)
-    count[state[c]]++;
+  if (!status) status = dls_reduction_solve(reduction, mu, NULL, r, u, unknowns, NULL, &error);
+  if (dls_solved(status) && !dls_reduction_states(reduction, mu, r, u, state, NULL))
+    for (int c = 0; c < nc; c++)
+      count[state[c]]++;
   printf("%s: %s, free %d, slip %d, stick %d\n", name,
          status < 0 ? error.message : dls_status_text(status), count[0], count[1], count[2]);
   dls_reduction_destroy(reduction);
-  return status == DLS_OK;
+  return dls_solved(status);
 }
 
 int main(int argc, char **argv) {
