@@ -13,14 +13,7 @@
 int main() {
   const double K[] = {3, 1, 1, 2};
   const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}}; /* y and x */
-  dls_model model = {};
-  model.d = model.n = 2;
-  model.nodes = 1;
-  model.operator_kind = DLS_STIFFNESS_DENSE;
-  model.factorization = DLS_CHOLESKY;
-  model.K = {2, 2, 2, K};
-  model.HN = HN.view();
-  model.HT = HT.view();
+  const dls_model model = delassus::model(2, {2, 2, 2, K}, HN, HT);
   const std::vector<double> mu = {0.2};
   try {
     const delassus::answer a = delassus::solve_model(model, {5, -10}, {}, mu);

@@ -138,7 +138,77 @@ struct sparse {
   dls_sparse view() const {
     return {rows, cols, p.data(), i.data(), x.data()};
   }
+  /* appends a column, all its rows; zeros are left out */
+  void append(const double *column) {
+    for (int k = 0; k < rows; k++)
+      if (column[k] != 0) i.push_back(k), x.push_back(column[k]);
+    p.push_back(static_cast<int>(i.size()));
+    cols++;
+  }
 };
+
+/* Entries of a matrix in any order; those of one place add up. */
+class entries {
+public:
+  explicit entries(std::size_t count) : rows(count) {}
+  void add(std::size_t row, std::size_t column, double value) {
+    if (row >= rows) detail::refuse(DLS_E_ARGUMENT, "add", "row", "is " + std::to_string(row));
+    i.push_back(static_cast<int>(row));
+    j.push_back(column);
+    x.push_back(value);
+  }
+  sparse columns(std::size_t cols) const {
+    sparse A;
+    A.rows = static_cast<int>(rows);
+    A.cols = static_cast<int>(cols);
+    std::vector<std::size_t> at(cols + 1);
+    for (std::size_t column : j) {
+      if (column >= cols)
+        detail::refuse(DLS_E_ARGUMENT, "columns", "cols", "misses " + std::to_string(column));
+      at[column + 1]++;
+    }
+    for (std::size_t c = 0; c < cols; c++)
+      at[c + 1] += at[c];
+    A.p.assign(at.begin(), at.end());
+    A.i.resize(i.size());
+    A.x.resize(i.size());
+    for (std::size_t k = 0; k < i.size(); k++) {
+      const std::size_t to = at[j[k]]++;
+      A.i[to] = i[k];
+      A.x[to] = x[k];
+    }
+    return A;
+  }
+
+private:
+  std::size_t rows;
+  std::vector<int> i;
+  std::vector<std::size_t> j;
+  std::vector<double> x;
+};
+
+/* Models of a host: d = 2 or 3, K dense or sparse, a column of HN for each contact, d - 1 of HT.
+ * They are views: the arguments have to outlive them. */
+inline dls_model model(int d, const dls_dense &K, const sparse &HN, const sparse &HT,
+                       dls_factorization kind = DLS_CHOLESKY) {
+  dls_model m = {};
+  m.d = d;
+  m.n = K.cols;
+  m.nodes = HN.cols;
+  m.operator_kind = DLS_STIFFNESS_DENSE;
+  m.factorization = kind;
+  m.K = K;
+  m.HN = HN.view();
+  m.HT = HT.view();
+  return m;
+}
+inline dls_model model(int d, const sparse &K, const sparse &HN, const sparse &HT,
+                       dls_factorization kind = DLS_CHOLESKY) {
+  dls_model m = model(d, dls_dense{K.rows, K.cols, K.rows, nullptr}, HN, HT, kind);
+  m.operator_kind = DLS_STIFFNESS_SPARSE;
+  m.Ks = K.view();
+  return m;
+}
 
 /* A view of a dense W (m x m by columns), q (m) and mu (nc), which have to outlive it. */
 inline dls_contact contact(int d, const std::vector<double> &W, const std::vector<double> &q,

@@ -64,9 +64,11 @@ static int run(const char *name, const dls_model *model, double *unknowns) {
   dls_error error;
   dls_contact_state state[nc];
   int count[3] = {0};
+  /* -> delassus */
   dls_status status = dls_reduction_create(&reduction, model, NULL, &error);
   if (!status) status = dls_reduction_load(reduction, f, NULL, &error);
   if (!status) status = dls_reduction_solve(reduction, mu, NULL, r, u, unknowns, NULL, &error);
+  /* <- delassus */
   if (dls_solved(status) && !dls_reduction_states(reduction, mu, r, u, state, NULL))
     for (int c = 0; c < nc; c++)
       count[state[c]]++;
@@ -86,6 +88,7 @@ int main(int argc, char **argv) {
   PetscScalar *values;
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(assemble(&K));
+  /* -> delassus */
   dls_model model = {.d = 3, .n = n, .nodes = nc, .factorization = DLS_CHOLESKY};
   model.HN = (dls_sparse){n, nc, each, normal, ones};
   model.HT = (dls_sparse){n, 2 * nc, each, tangent, ones};
@@ -94,6 +97,7 @@ int main(int argc, char **argv) {
   PetscCall(MatSeqAIJGetArray(K, &values));
   model.operator_kind = DLS_STIFFNESS_SPARSE;
   model.Ks = (dls_sparse){n, n, p, i, values};
+  /* <- delassus */
   int good = run("Mat", &model, x[0]);
   PetscCall(MatSeqAIJRestoreArray(K, &values));
   PetscCall(KSPCreate(PETSC_COMM_SELF, &ksp));

@@ -16,23 +16,12 @@ static void put(const char *name, const delassus::answer &a, const dls_certifica
   std::printf("\n");
 }
 
-static dls_model body(const double *K, const delassus::sparse &HN, const delassus::sparse &HT) {
-  dls_model model = {};
-  model.d = model.n = 2;
-  model.nodes = 1;
-  model.operator_kind = DLS_STIFFNESS_DENSE;
-  model.factorization = DLS_CHOLESKY;
-  model.K = {2, 2, 2, K};
-  model.HN = HN.view();
-  model.HT = HT.view();
-  return model;
-}
-
 int main() {
   const double K[] = {3, 1, 1, 2}, spring[] = {5, -5, -5, 5};
   const delassus::sparse first{2, 1, {0, 1}, {0}, {1}}, second{2, 1, {0, 1}, {1}, {1}};
   const delassus::sparse none{2, 1, {0, 0}, {}, {}};
-  const dls_model held = body(K, second, first), loose = body(spring, first, none);
+  const dls_model held = delassus::model(2, {2, 2, 2, K}, second, first);
+  const dls_model loose = delassus::model(2, {2, 2, 2, spring}, first, none);
   const std::vector<double> mu = {0.2};
   const delassus::answer one = delassus::solve_model(held, {5, -10}, {}, mu);
   put("held", one, one.info.certificate);

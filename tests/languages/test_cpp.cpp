@@ -110,14 +110,7 @@ static void calls_back() {
 static void reduces() {
   const double K[] = {3, 1, 1, 2};
   const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}};
-  dls_model model = {};
-  model.d = model.n = 2;
-  model.nodes = 1;
-  model.operator_kind = DLS_STIFFNESS_DENSE;
-  model.factorization = DLS_CHOLESKY;
-  model.K = {2, 2, 2, K};
-  model.HN = HN.view();
-  model.HT = HT.view();
+  dls_model model = delassus::model(2, {2, 2, 2, K}, HN, HT);
   delassus::reduction R(model);
   R.load({5, -10});
   const std::vector<double> friction = {0.2};
@@ -142,18 +135,33 @@ static void reduces() {
   EXPECT(refusal([&] { delassus::reduction none(model); }) != "");
 }
 
+/* The point once more, its K sparse, from entries in any order; the columns of H dense. */
+static void gathers() {
+  delassus::entries K(2);
+  delassus::sparse HN, HT;
+  const double x[] = {1, 0}, y[] = {0, 1};
+  HN.rows = HT.rows = 2;
+  HN.append(y);
+  HT.append(x);
+  K.add(1, 1, 1.5);
+  K.add(0, 1, 1);
+  K.add(0, 0, 3);
+  K.add(1, 0, 1);
+  K.add(1, 1, 0.5);
+  const delassus::sparse Ks = K.columns(2);
+  EXPECT((Ks.p == std::vector<int>{0, 2, 5} && HN.i == std::vector<int>{1} && HN.cols == 1));
+  const delassus::answer a =
+      delassus::solve_model(delassus::model(2, Ks, HN, HT), {5, -10}, {}, {0.2});
+  EXPECT(a.solved() && near(a.r[0], 10.9375) && near(a.x[0], 0.9375) && near(a.u[1], 0.9375));
+  EXPECT(refusal([&] { K.add(2, 0, 1); }) == "DLS_E_ARGUMENT row");
+  EXPECT(refusal([&] { (void)K.columns(1); }) == "DLS_E_ARGUMENT cols");
+}
+
 /* A spring that nothing holds: pressed on the stop; pulled off it, the motion (1, 1) proves it. */
 static void flies() {
   const double K[] = {5, -5, -5, 5};
   const delassus::sparse HN{2, 1, {0, 1}, {0}, {1}}, HT{2, 1, {0, 0}, {}, {}};
-  dls_model model = {};
-  model.d = model.n = 2;
-  model.nodes = 1;
-  model.operator_kind = DLS_STIFFNESS_DENSE;
-  model.factorization = DLS_CHOLESKY;
-  model.K = {2, 2, 2, K};
-  model.HN = HN.view();
-  model.HT = HT.view();
+  const dls_model model = delassus::model(2, {2, 2, 2, K}, HN, HT);
   for (const dls_on on : {DLS_ON_EITHER, DLS_ON_K}) {
     delassus::reduction_settings s;
     s.on = on;
@@ -202,6 +210,7 @@ int main() {
   refuses();
   calls_back();
   reduces();
+  gathers();
   flies();
   moves();
   std::printf("C++: %s\n", failures ? "failed" : "passed");
