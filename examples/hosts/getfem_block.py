@@ -1,6 +1,6 @@
-# getfem_block.py: GetFEM as the host. A block of trilinear elements, held at its top and sheared, stands
-# on a rough floor. The stiffness and the load of the model go to delassus, beside it to GetFEM's own
-# contact brick (augmented Lagrangian, its parameter r tuned by hand).
+# getfem_block.py: GetFEM as the host. A block of trilinear elements, held at its top and sheared,
+# stands on a rough floor. The stiffness and the load of the model go to delassus, beside it to
+# GetFEM's own contact brick (augmented Lagrangian, its parameter r tuned by hand).
 #
 # GetFEM writes B_N U <= gap and multipliers <= 0: H_N = -B_N^T, r_n = -lambda_N, H_T = B_T^T.
 #
