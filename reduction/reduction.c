@@ -731,7 +731,7 @@ static dls_status reduction_certify(dls_reduction *work, const double *mu, const
   if (status) return status;
   reduction_weigh(work);
   const int regular =
-      !is_on_K(work) && work->modes.count == 0 && work->info.condition <= most_condition;
+      !is_on_K(work) && work->info.condition <= most_condition;
   status = dlsi_kept_certify(&work->kept, &work->H, mu, r, x, tol, regular, certificate, error);
   if (status) return status;
   if (u) memcpy(u, work->kept.u, work->m * sizeof *u);
