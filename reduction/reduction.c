@@ -730,8 +730,7 @@ static dls_status reduction_certify(dls_reduction *work, const double *mu, const
   if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
   if (status) return status;
   reduction_weigh(work);
-  const int regular =
-      !is_on_K(work) && work->info.condition <= most_condition;
+  const int regular = !is_on_K(work) && work->info.condition <= most_condition;
   status = dlsi_kept_certify(&work->kept, &work->H, mu, r, x, tol, regular, certificate, error);
   if (status) return status;
   if (u) memcpy(u, work->kept.u, work->m * sizeof *u);
