@@ -144,7 +144,7 @@ help:
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
 	@echo 'make docs        the guide as HTML with a search, build/docs/html (Doxygen)'
 	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
-	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; PETSc and deal.II with a MUMPS of their own; installs them'
+	@echo 'make check-hosts     GetFEM, CalculiX, PETSc, MuJoCo, deal.II hand their matrices over; PETSc and deal.II with a MUMPS of their own; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
@@ -282,6 +282,13 @@ $(BUILD)/examples/%: examples/%.c $(FE) $(FILES) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(FILES) $(A) $(LIBS)
 
+# the examples whose solves end "solved to rounding": they print the same (tests/examples/rounded.c)
+ROUNDED := $(patsubst $(BUILD)/examples/%,$(BUILD)/rounded/%,$(filter-out %/lcp,$(EXAMPLES)))
+$(BUILD)/rounded/%: examples/%.c $(BUILD)/obj/tests/examples/rounded.o $(FE) $(FILES) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) $(addprefix -Wl$(comma)--wrap=dls_,solve solve_model solver_solve reduction_solve) -o $@ $^ $(LIBS)
+
 # ---- tests --------------------------------------------------------------------------------------
 
 # what test programs share
@@ -311,7 +318,7 @@ check: deps
 .PHONY: check-build
 # the benchmarks that need nothing but the library; those beside others are in PEER_BENCHES
 BENCHES = auto blocks bodies derive dynamics hard lanes least papers problems prove report steps trust
-TESTED = all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
+TESTED = all $(TESTS) $(ROUNDED) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
 check-build: $(TESTED)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
 
@@ -323,7 +330,7 @@ check-plain:
 
 # tests and examples in other languages alone
 .PHONY: check-languages
-check-languages: all $(LANGUAGES)
+check-languages: all $(LANGUAGES) $(BUILD)/tests/languages/test_door
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) --languages
 
 .PHONY: asan
@@ -767,7 +774,7 @@ check-links: all
 check-hosts:
 	@$(DEPS) hosts
 	@$(MAKE) --no-print-directory all
-	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
+	@CC='$(CC)' CXX='$(CXX)' PYTHON='$(PYTHON)' examples/hosts/run.sh $(BUILD)
 	@CC='$(CC)' tests/hosts/run.sh $(BUILD)
 
 .PHONY: dist

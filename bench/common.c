@@ -14,6 +14,13 @@
 
 enum { child_done = 7 /* exit status that no library uses */ };
 
+dls_status bench_reduce(dls_reduction **out, const dls_model *model, dls_error *error) {
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.on = DLS_ON_W;
+  return dls_reduction_create(out, model, &settings, error);
+}
+
 /* Reads the clock of the calling thread first: Linux brings the clock of a process with a CPU limit
  * up to date at a tick (1 ms) or when the clock of a thread is read. */
 double bench_seconds(void) {

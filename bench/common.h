@@ -9,11 +9,16 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "delassus/reduction.h"
+
 /* Returns the CPU seconds of this process, all threads: a BLAS with threads does not go unseen. */
 double bench_seconds(void);
 
 /* Draws from [-1, 1): the top 53 bits of Knuth's MMIX generator. */
 double bench_draw(uint64_t *state);
+
+/* Works as dls_reduction_create, on W. */
+dls_status bench_reduce(dls_reduction **out, const dls_model *model, dls_error *error);
 
 /* Sorts x (n) and returns its median, the mean of the two in the middle for an even n; NAN for 0.
  */

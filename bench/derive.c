@@ -100,7 +100,7 @@ static dls_status derive_block(FILE *page, int nx) {
     double *g = x + n, *f = g + n, *mu = f + n, begun = bench_seconds();
     for (size_t i = 0; i < n; i++)
       g[i] = cos((double)i);
-    status = dls_reduction_create(&reduction, &of.model, NULL);
+    status = bench_reduce(&reduction, &of.model, NULL);
     derive_clock(begun, &least[0]);
     begun = bench_seconds();
     if (!status) status = dls_reduction_load(reduction, of.f, of.g, NULL);

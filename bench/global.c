@@ -1,6 +1,6 @@
 /*
  * global.c: compares contact over whole surfaces on K (dls_global_solve), on W
- * (dls_reduction_create and dls_solve) and by the same splitting with CHOLMOD (global_peer.c).
+ * (bench_reduce and dls_solve) and by the same splitting with CHOLMOD (global_peer.c).
  *
  *   global [--table NAME]... [--out DIR]         the tables: peer, growth, tolerance, robust,
  *                                                foreseen, choice, where; all without --table
@@ -62,7 +62,7 @@ static void run_ways(const task *t, int ways, int count, result *best) {
 }
 
 static int is_solved(const result *r) {
-  return !r->failed && (r->status == DLS_OK || r->status == DLS_TO_ROUNDING);
+  return !r->failed && dls_solved(r->status);
 }
 
 /* Prints a number, or nothing where a way has none. */
@@ -292,12 +292,11 @@ static void table_choice(FILE *page) {
   double most = 0;
   const task *all = scenes_of_choice(&count);
   double over[28];
-  bench_print(page,
-              "\n## The choice\n\n`make bench-global BENCH='--table choice'`\n\n"
-              "dls_reduction_create_either against K and W: bodies, seeds (6, 8) and supports that "
-              "did not serve to make its rule; friction .3, to 1e-8; fastest of three.\n\n"
-              "| scene | unknowns | contacts | K: s | W: s | chosen | s | over the better |\n"
-              "|---|---|---|---|---|---|---|---|\n");
+  bench_print(page, "\n## The choice\n\n`make bench-global BENCH='--table choice'`\n\n"
+                    "dls_reduction_create against K and W: bodies, seeds (6, 8) and supports that "
+                    "did not serve to make its rule; friction .3, to 1e-8; fastest of three.\n\n"
+                    "| scene | unknowns | contacts | K: s | W: s | chosen | s | over the better |\n"
+                    "|---|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < count; k++) {
     result r[WAYS];
     run_ways(&all[k], 1 << ON_K | 1 << ON_W | 1 << EITHER, turns, r);

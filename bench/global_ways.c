@@ -88,7 +88,7 @@ static void take_W(const scene *S, const double *mu, double tol, double most_byt
   out->foreseen_W = foreseen.bytes;
   if (foreseen.bytes > most_bytes) return;
   const double held = memory_begin(), start = bench_seconds();
-  dls_status status = dls_reduction_create(&R, &S->model, &e);
+  dls_status status = bench_reduce(&R, &S->model, &e);
   out->create = bench_seconds() - start;
   if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
   if (!status) status = dls_reduction_contact(R, mu, &problem, &e);
@@ -116,7 +116,7 @@ static void take_either(const scene *S, const double *mu, double tol, double *r,
   dls_solver_settings_init(&settings);
   settings.limits.tol = tol;
   const double held = memory_begin(), start = bench_seconds();
-  dls_status status = dls_reduction_create_either(&R, &S->model, NULL, &e);
+  dls_status status = dls_reduction_create(&R, &S->model, NULL, &e);
   out->create = bench_seconds() - start;
   if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
   if (!status) status = dls_reduction_solve(R, mu, &settings, r, NULL, x, &info, &e);

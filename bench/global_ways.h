@@ -5,8 +5,8 @@
 #include "delassus.h"
 #include "global_scenes.h"
 
-/* ON_K: dls_global_create and dls_global_solve. ON_W: dls_reduction_create, dls_solve (auto),
- * dls_reduction_recover. PEER: global_peer.h. EITHER: dls_reduction_create_either and
+/* ON_K: dls_global_create and dls_global_solve. ON_W: bench_reduce, dls_solve (auto),
+ * dls_reduction_recover. PEER: global_peer.h. EITHER: dls_reduction_create and
  * dls_reduction_solve. */
 typedef enum way { ON_K, ON_W, PEER, EITHER, WAYS } way;
 

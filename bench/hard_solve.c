@@ -120,7 +120,7 @@ static hard_end hard_once(const hard_problem *p, int k, double seconds, int last
   hard_end end = HARD_REFUSED;
   if (status >= 0 && dls_contact_certify(&p->contact, r, NULL, &c, NULL) == DLS_OK) {
     const dls_status verdict = dls_certificate_verdict(&c, tolerance);
-    if (verdict == DLS_OK || verdict == DLS_TO_ROUNDING)
+    if (dls_solved(verdict))
       end = HARD_SOLVED;
     else if (status == DLS_RAY)
       end = HARD_RAY;

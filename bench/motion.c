@@ -115,7 +115,7 @@ static void fill(const dls_model *model, steps *s) {
 static int measure_steps(const dls_model *model, steps *s, measured *out) {
   double least[CALLS] = {INFINITY, INFINITY, INFINITY, INFINITY}, factor[2];
   const double start = bench_seconds();
-  if (dls_reduction_create(&s->R, model, NULL)) return 1;
+  if (bench_reduce(&s->R, model, NULL)) return 1;
   out->create = bench_seconds() - start;
   for (int k = 0; k < 2; k++)
     if (!(s->of[k] = peer_create(&model->Ks, k, &factor[k]))) return 1;

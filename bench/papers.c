@@ -28,7 +28,7 @@ int jean_create(jean_block *b, const char *name, int weighted, int nx, double mu
   dls_status status = dls_fe_scene_create_with(&b->scene, name, weighted, &settings, &error);
   if (!status) {
     dls_fe_scene_get(b->scene, &b->data);
-    status = dls_reduction_create(&b->reduction, &b->data.model, &error);
+    status = bench_reduce(&b->reduction, &b->data.model, &error);
   }
   if (!status) status = dls_reduction_load(b->reduction, b->data.f, b->data.g, &error);
   if (!status) status = dls_reduction_contact(b->reduction, b->data.mu, &b->contact, &error);
@@ -54,7 +54,7 @@ double *jean_solve(const dls_contact *contact) {
   const dls_status status =
       r ? dls_solve(contact, &settings, r, NULL, &info, &error) : DLS_E_MEMORY;
   const dls_certificate *c = &info.certificate;
-  if (status == DLS_OK || status == DLS_TO_ROUNDING) return r;
+  if (dls_solved(status)) return r;
   fprintf(stderr, "not solved: %s (%s), %g, %g\n", dls_status_text(status), error.message,
           c->residual_u, c->residual_r);
   free(r);

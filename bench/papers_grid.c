@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "common.h"
 #include "faces.h"
 
 static const double side = 4, young = 260, poisson = 0.2;
@@ -276,7 +277,7 @@ int grid_create(grid *g, int d, int order, int cells, int weighted, double mu) {
                          .HN = {n, g->line, g->HN.p, g->HN.i, g->HN.x},
                          .HT = {n, (d - 1) * g->line, g->HT.p, g->HT.i, g->HT.x},
                          .P = {g->line, g->candidates, g->P.p, g->P.i, g->P.x}};
-  status = dls_reduction_create(&g->reduction, &g->model, &error);
+  status = bench_reduce(&g->reduction, &g->model, &error);
   if (!status) status = dls_reduction_load(g->reduction, g->f, NULL, &error);
   if (!status) status = dls_reduction_contact(g->reduction, g->mu, &g->contact, &error);
   if (!status) return 0;

@@ -122,8 +122,7 @@ static int take_delassus(const dls_model *model, double *W, result *out) {
   double *mu = calloc((size_t)model->nodes, sizeof *mu);
   double *f = calloc((size_t)model->n, sizeof *f);
   double start = bench_seconds();
-  if (!mu || !f || dls_reduction_create(&R, model, &error))
-    return fprintf(stderr, "%s\n", error.message);
+  if (!mu || !f || bench_reduce(&R, model, &error)) return fprintf(stderr, "%s\n", error.message);
   out->cpu = bench_seconds() - start;
   out->peak = peak_bytes();
   int bad = dls_reduction_get_info(R, &info, NULL) || dls_reduction_contact(R, mu, &contact, NULL);

@@ -75,7 +75,7 @@ static void solve_within(const void *how, const scene *s, double tol, int calls,
 
 static double cpu_of(const outcome *o, double tol) {
   const dls_status verdict = dls_certificate_verdict(&o->certificate, tol);
-  return o->ended == ENDED && (verdict == DLS_OK || verdict == DLS_TO_ROUNDING) ? o->cpu : INFINITY;
+  return o->ended == ENDED && dls_solved(verdict) ? o->cpu : INFINITY;
 }
 
 /* Prints one line of --one. */

@@ -73,8 +73,7 @@ static int elastic_fill(elastic *a, int d, int cells, double mu, uint64_t seed) 
   int bad = !a->W || !a->q || !a->mu;
   for (int k = 0; !bad && k < nc; k++)
     a->mu[k] = mu;
-  bad =
-      bad || dls_reduction_create(&R, &b.model, NULL) || dls_reduction_contact(R, a->mu, &F, NULL);
+  bad = bad || bench_reduce(&R, &b.model, NULL) || dls_reduction_contact(R, a->mu, &F, NULL);
   if (!bad) {
     a->contact = (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};
     elastic_pair(a, &F);

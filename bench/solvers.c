@@ -85,7 +85,7 @@ static int own_takes(const own_method *w, const scene *s) {
 
 /* Reduces a global problem, which counts as part of the solve. */
 static dls_status own_reduce(const scene *s, dls_reduction **reduction, dls_contact *contact) {
-  dls_status status = dls_reduction_create(reduction, s->model, NULL);
+  dls_status status = bench_reduce(reduction, s->model, NULL);
   if (!status) status = dls_reduction_load(*reduction, s->f, s->g, NULL);
   if (!status) status = dls_reduction_contact(*reduction, s->contact.mu, contact, NULL);
   return status;

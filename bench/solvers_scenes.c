@@ -78,7 +78,7 @@ static void visit_file(const dls_fclib *file, const char *name, scene_fn visit, 
     status = dls_fclib_contact(file, &s.contact, error);
   else {
     status = dls_fclib_model(file, &model, &s.f, &s.g, &mu, error);
-    if (!status) status = dls_reduction_create(&reduction, &model, error);
+    if (!status) status = bench_reduce(&reduction, &model, error);
     if (!status) status = dls_reduction_load(reduction, s.f, s.g, error);
     if (!status) status = dls_reduction_contact(reduction, mu, &s.contact, error);
   }

@@ -14,7 +14,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "delassus/reduction.h"
 #include "delassus/solve.h"
 
 /* no "-0.000" */
@@ -37,19 +36,10 @@ int main(void) {
                            .HN = {4, 2, p, normal, one},
                            .HT = {4, 2, p, tangent, one}};
   dls_error error;
-  dls_reduction *reduction;
-  dls_contact problem;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = DLS_NLGS;
   double r[4], u[4], x[4];
-  dls_status status = dls_reduction_create(&reduction, &model, &error);
-  if (!status) status = dls_reduction_load(reduction, f, g, &error);
-  if (!status) status = dls_reduction_contact(reduction, mu, &problem, &error);
-  if (!status) status = dls_solve(&problem, &settings, r, u, NULL, &error);
-  if (!status) status = dls_reduction_recover(reduction, r, x, &error);
-  dls_reduction_destroy(reduction);
-  if (status) return fprintf(stderr, "%s\n", status < 0 ? error.message : dls_status_text(status));
+  const dls_status status = dls_solve_model(&model, f, g, mu, r, u, x, NULL, &error);
+  if (!dls_solved(status))
+    return fprintf(stderr, "%s\n", status < 0 ? error.message : dls_status_text(status));
   printf("candidate     u_n     u_t     r_n     r_t\n");
   for (int c = 0; c < 2; c++)
     printf("%d         %7.3f %7.3f %7.3f %7.3f\n", c, tidy(u[2 * c]), tidy(u[2 * c + 1]),

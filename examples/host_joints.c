@@ -61,7 +61,7 @@ int main(void) {
   dls_reduction_info info;
   dls_error error;
   double r[2], x[n];
-  dls_status status = dls_reduction_create(&reduction, &model, &error);
+  dls_status status = dls_reduction_create(&reduction, &model, NULL, &error);
   if (!status) status = dls_reduction_load(reduction, f, NULL, &error);
   if (!status) status = dls_reduction_get_info(reduction, &info, &error);
   if (!status) status = dls_reduction_solve(reduction, mu, NULL, r, NULL, x, NULL, &error);

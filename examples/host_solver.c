@@ -9,7 +9,6 @@
  */
 #include <stdio.h>
 
-#include "delassus/reduction.h"
 #include "delassus/solve.h"
 
 typedef struct tridiagonal {
@@ -43,18 +42,16 @@ int main(void) {
   model.HT = (dls_sparse){4, 2, p, tangent, one};
   dls_error error;
   dls_reduction *reduction;
-  dls_contact problem;
   double r[4], x[4];
-  dls_status status = dls_reduction_create(&reduction, &model, &error);
-  for (int k = 0; !status && k < 2; k++) {
+  dls_status status = dls_reduction_create(&reduction, &model, NULL, &error);
+  for (int k = 0; dls_solved(status) && k < 2; k++) {
     status = dls_reduction_load(reduction, f[k], g, &error);
-    if (!status) status = dls_reduction_contact(reduction, mu, &problem, &error);
-    if (!status) status = dls_solve(&problem, NULL, r, NULL, NULL, &error);
-    if (!status) status = dls_reduction_recover(reduction, r, x, &error);
-    if (!status)
+    if (!status) status = dls_reduction_solve(reduction, mu, NULL, r, NULL, x, NULL, &error);
+    if (dls_solved(status))
       printf("r = %.3f %.3f %.3f %.3f, y0 = %.3f, x1 = %.3f\n", r[0], r[1], r[2], r[3], x[0], x[2]);
   }
   dls_reduction_destroy(reduction);
-  if (status) fprintf(stderr, "%s\n", status < 0 ? error.message : dls_status_text(status));
-  return status != 0;
+  if (dls_solved(status)) return 0;
+  fprintf(stderr, "%s\n", status < 0 ? error.message : dls_status_text(status));
+  return 1;
 }

@@ -134,13 +134,13 @@ int main(void) {
   dls_status status = dls_solver_create(&solver, d, most, &settings, &error);
   int solved = 0, known = 0, all = 0;
   double deepest = 0;
-  while (!status && solved < steps) {
+  while (dls_solved(status) && solved < steps) {
     look_for_contacts();
     dls_contact problem = {.d = d, .nc = now.count, .q = q, .mu = mu};
     problem.bodies = (dls_bodies){n, spheres, now.body, H, NULL};
     status = dls_solver_map(solver, now.count, from, r, &error);
     if (!status) status = dls_solver_solve(solver, &problem, r, NULL, NULL, &error);
-    if (status) break;
+    if (!dls_solved(status)) break;
     solved++;
     move_spheres(r);
     all += now.count;

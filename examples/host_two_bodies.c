@@ -1,7 +1,7 @@
 /*
  * host_two_bodies.c: two elastic bodies whose nodes do not match. The lower one, 7 nodes at 0, 1 ..
  * 6, stands on springs; the upper one, 5 nodes at 0, 1.5 .. 6, lies on it and nothing but contact
- * holds it (stabilize). Each node of the upper one is a candidate: its place relative to the
+ * holds it. Each node of the upper one is a candidate: its place relative to the
  * straight line between two nodes below. Pressed by 10, more so at the right, then sheared, mu .5.
  *
  * Output:
@@ -46,7 +46,6 @@ int main(void) {
   dls_motion_settings_init(&settings);
   settings.law = DLS_MOTION_PATH;
   settings.h = 1;
-  settings.stabilize = 1;
   dls_error error;
   dls_motion *motion;
   dls_motion_state s;

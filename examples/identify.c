@@ -86,7 +86,7 @@ int main(void) {
   double measured[line], u[line], a[line], b[line], mu = 0.4, load = 0.5;
   check(dls_fe_scene_create(&scene, "jean-fig3", 0, &error));
   dls_fe_scene_get(scene, &data);
-  check(dls_reduction_create(&reduction, &data.model, &error));
+  check(dls_reduction_create(&reduction, &data.model, NULL, &error));
   loads(5e8, 0, 0, f_top);
   loads(0, 9e8, 25e8, f_side);
   displace(0.8, 1, measured, NULL, NULL);

@@ -4,7 +4,7 @@
  *
  * Output:
  *   solved: r_n = 10.9375, r_t = -2.1875, x = 0.9375
- *   solve: start: has 1 entry, needs 2
+ *   solve_model: f: has 1 entry, needs 2
  */
 #include <cstdio>
 
@@ -13,23 +13,12 @@
 int main() {
   const double K[] = {3, 1, 1, 2};
   const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}}; /* y and x */
-  dls_model model = {};
-  model.d = model.n = 2;
-  model.nodes = 1;
-  model.operator_kind = DLS_STIFFNESS_DENSE;
-  model.factorization = DLS_CHOLESKY;
-  model.K = {2, 2, 2, K};
-  model.HN = HN.view();
-  model.HT = HT.view();
+  const dls_model model = delassus::model(2, {2, 2, 2, K}, HN, HT);
   const std::vector<double> mu = {0.2};
   try {
-    delassus::reduction reduction(model);
-    reduction.load({5, -10});
-    const dls_contact problem = reduction.contact(mu);
-    const delassus::answer a = delassus::solve(problem);
-    const std::vector<double> x = reduction.recover(a.r);
-    std::printf("%s: r_n = %g, r_t = %g, x = %g\n", a.text(), a.r[0], a.r[1], x[0]);
-    (void)delassus::solve(problem, delassus::settings("nlgs"), {1.0});
+    const delassus::answer a = delassus::solve_model(model, {5, -10}, {}, mu);
+    std::printf("%s: r_n = %g, r_t = %g, x = %g\n", a.text(), a.r[0], a.r[1], a.x[0]);
+    (void)delassus::solve_model(model, {5}, {}, mu);
   } catch (const delassus::error &e) {
     std::printf("%s\n", e.what());
   }

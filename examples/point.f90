@@ -6,14 +6,12 @@
 program point
   use delassus
   implicit none
-  real(c_double), target :: K(2, 2) = reshape([3, 1, 1, 2], [2, 2]), mu(1) = [0.2d0], one(1) = [1d0]
+  real(c_double), target :: K(2, 2) = reshape([3, 1, 1, 2], [2, 2]), one(1) = [1d0]
   integer(c_int), target :: p(2) = [0, 1], along(1) = [0], up(1) = [1]  ! H_N picks y, H_T picks x
   real(c_double) :: r(2), x(2)
   type(dls_model) :: model
-  type(dls_contact) :: problem
   type(dls_error) :: error
-  type(c_ptr) :: reduction
-  integer(c_int) :: status, outcome
+  integer(c_int) :: status
 
   model%d = 2
   model%n = 2
@@ -23,17 +21,11 @@ program point
   model%K = dls_dense_of(K)
   model%HN = dls_sparse_of(2, p, up, one)
   model%HT = dls_sparse_of(2, p, along, one)
-  status = dls_reduction_create(reduction, model, error)  ! W
-  if (status == 0) status = dls_reduction_load(reduction, [5d0, -10d0], error=error)  ! q
-  if (status == 0) status = dls_reduction_contact(reduction, c_loc(mu), problem, error)  ! W, q, mu
-  if (status == 0) status = dls_solve(problem, r=r, error=error)  ! r
-  outcome = status
-  if (status >= 0) status = dls_reduction_recover(reduction, r, x, error)  ! x
-  call dls_reduction_destroy(reduction)
+  status = dls_solve_model(model, f=[5d0, -10d0], mu=[0.2d0], r=r, x=x, error=error)
   if (status < 0) then
     print '(a)', dls_message(error)
     stop 1
   end if
-  print '(a, 3(a, f8.4))', dls_text(dls_status_text(outcome)), ': r_n = ', r(1), &
+  print '(a, 3(a, f8.4))', dls_text(dls_status_text(status)), ': r_n = ', r(1), &
     ', r_t = ', r(2), ', x = ', x(1)
 end program

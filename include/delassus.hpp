@@ -2,10 +2,11 @@
  * delassus.hpp: the library for C++17: objects that free themselves, std::vector in and out, errors
  * as exceptions. Header only; everything is that of delassus.h, which says what it means.
  *
- *   delassus::reduction reduction(model);              K, H_N, H_T -> W
- *   reduction.load(f);                                 q
- *   auto answer = delassus::solve(reduction.contact(mu));
- *   auto x = reduction.recover(answer.r);
+ *   auto a = delassus::solve_model(model, f, g, mu);   K, H_N, H_T, f, g, mu -> a.r, a.u, a.x
+ *
+ *   delassus::reduction reduction(model);              the same for several loads on one K
+ *   reduction.load(f, g);
+ *   auto b = reduction.solve(mu);
  *
  * A status below 0 is thrown as delassus::error. A solve that stops early is no error:
  * answer.status says so, answer.r is the best one found. An exception of a progress function
@@ -116,9 +117,10 @@ struct settings : dls_solver_settings {
 struct answer {
   dls_status status;        /* DLS_OK, DLS_TO_ROUNDING: solved; others above 0: stopped early */
   std::vector<double> r, u; /* d nc: reactions, local positions */
+  std::vector<double> x;    /* n: unknowns, where a body is solved; else empty */
   dls_info info;
   bool solved() const noexcept {
-    return status == DLS_OK || status == DLS_TO_ROUNDING;
+    return dls_solved(status) != 0;
   }
   const char *text() const noexcept {
     return dls_status_text(status);
@@ -136,7 +138,77 @@ struct sparse {
   dls_sparse view() const {
     return {rows, cols, p.data(), i.data(), x.data()};
   }
+  /* appends a column, all its rows; zeros are left out */
+  void append(const double *column) {
+    for (int k = 0; k < rows; k++)
+      if (column[k] != 0) i.push_back(k), x.push_back(column[k]);
+    p.push_back(static_cast<int>(i.size()));
+    cols++;
+  }
 };
+
+/* Entries of a matrix in any order; those of one place add up. */
+class entries {
+public:
+  explicit entries(std::size_t count) : rows(count) {}
+  void add(std::size_t row, std::size_t column, double value) {
+    if (row >= rows) detail::refuse(DLS_E_ARGUMENT, "add", "row", "is " + std::to_string(row));
+    i.push_back(static_cast<int>(row));
+    j.push_back(column);
+    x.push_back(value);
+  }
+  sparse columns(std::size_t cols) const {
+    sparse A;
+    A.rows = static_cast<int>(rows);
+    A.cols = static_cast<int>(cols);
+    std::vector<std::size_t> at(cols + 1);
+    for (std::size_t column : j) {
+      if (column >= cols)
+        detail::refuse(DLS_E_ARGUMENT, "columns", "cols", "misses " + std::to_string(column));
+      at[column + 1]++;
+    }
+    for (std::size_t c = 0; c < cols; c++)
+      at[c + 1] += at[c];
+    A.p.assign(at.begin(), at.end());
+    A.i.resize(i.size());
+    A.x.resize(i.size());
+    for (std::size_t k = 0; k < i.size(); k++) {
+      const std::size_t to = at[j[k]]++;
+      A.i[to] = i[k];
+      A.x[to] = x[k];
+    }
+    return A;
+  }
+
+private:
+  std::size_t rows;
+  std::vector<int> i;
+  std::vector<std::size_t> j;
+  std::vector<double> x;
+};
+
+/* Models of a host: d = 2 or 3, K dense or sparse, a column of HN for each contact, d - 1 of HT.
+ * They are views: the arguments have to outlive them. */
+inline dls_model model(int d, const dls_dense &K, const sparse &HN, const sparse &HT,
+                       dls_factorization kind = DLS_CHOLESKY) {
+  dls_model m = {};
+  m.d = d;
+  m.n = K.cols;
+  m.nodes = HN.cols;
+  m.operator_kind = DLS_STIFFNESS_DENSE;
+  m.factorization = kind;
+  m.K = K;
+  m.HN = HN.view();
+  m.HT = HT.view();
+  return m;
+}
+inline dls_model model(int d, const sparse &K, const sparse &HN, const sparse &HT,
+                       dls_factorization kind = DLS_CHOLESKY) {
+  dls_model m = model(d, dls_dense{K.rows, K.cols, K.rows, nullptr}, HN, HT, kind);
+  m.operator_kind = DLS_STIFFNESS_SPARSE;
+  m.Ks = K.view();
+  return m;
+}
 
 /* A view of a dense W (m x m by columns), q (m) and mu (nc), which have to outlive it. */
 inline dls_contact contact(int d, const std::vector<double> &W, const std::vector<double> &q,
@@ -281,6 +353,38 @@ private:
 
 /* ---- reduction ------------------------------------------------------------------------------- */
 
+namespace detail {
+
+/* Returns the contacts of a model that are active. */
+inline std::size_t contacts(const dls_model &model) {
+  const int all = model.P.p ? model.P.cols : model.nodes;
+  std::size_t kept = 0;
+  for (int c = 0; c < all; c++)
+    kept += !model.active || model.active[c] != 0;
+  return kept;
+}
+
+} /* namespace detail */
+
+/* Solves the contact problem of a model in one call (dls_solve_model). An empty f or g stands for
+ * 0, an empty mu for model.mu. */
+inline answer solve_model(const dls_model &model, const std::vector<double> &f,
+                          const std::vector<double> &g, const std::vector<double> &mu) {
+  const std::size_t n = detail::size(model.n, 1), nc = detail::contacts(model);
+  const double *F = detail::pointer(f, n, "solve_model", "f", true);
+  const double *G =
+      detail::pointer(g, detail::size(model.d, model.nodes), "solve_model", "g", true);
+  const double *MU = detail::pointer(mu, nc, "solve_model", "mu", true);
+  answer a = {};
+  a.r.resize(static_cast<std::size_t>(model.d) * nc);
+  a.u.resize(a.r.size());
+  a.x.resize(n);
+  a.status = call([&](dls_error *e) {
+    return dls_solve_model(&model, F, G, MU, a.r.data(), a.u.data(), a.x.data(), &a.info, e);
+  });
+  return a;
+}
+
 /* Settings of a reduction, filled with the defaults. */
 struct reduction_settings : dls_reduction_settings {
   reduction_settings() : dls_reduction_settings() {
@@ -288,23 +392,18 @@ struct reduction_settings : dls_reduction_settings {
   }
 };
 
-/* K -> W, q and back. Sizes of vectors are checked; an empty f or g stands for 0. */
+/* K -> r and x for many loads, on W or on K (settings.on). Sizes of vectors are checked; an empty f
+ * or g stands for 0. contact and recover need W: settings.on = DLS_ON_W. */
 class reduction {
 public:
   explicit reduction(const dls_model &model, const reduction_settings &s = reduction_settings())
       : n(model.n), gaps(0) {
     dls_reduction *out = nullptr;
-    call([&](dls_error *e) { return dls_reduction_create_with(&out, &model, &s, e); });
+    call([&](dls_error *e) { return dls_reduction_create(&out, &model, &s, e); });
     work.reset(out);
     gaps = detail::size(model.d, model.nodes);
-    candidates = static_cast<std::size_t>(model.P.p ? model.P.cols : model.nodes);
-    if (model.active) {
-      std::size_t kept = 0;
-      for (std::size_t c = 0; c < candidates; c++)
-        kept += model.active[c] != 0;
-      candidates = kept;
-    }
-    m = static_cast<std::size_t>(model.d) * candidates;
+    candidates = detail::contacts(model);
+    m = static_cast<std::size_t>(s.frictionless ? 1 : model.d) * candidates;
   }
   /* new values on the pattern of the first model */
   void update(const dls_model &model) {
@@ -333,36 +432,60 @@ public:
     call([&](dls_error *e) { return dls_reduction_recover(work.get(), R, x.data(), e); });
     return x;
   }
-  /* solves, with the certificate of the body: dls_reduction_solve. x receives the unknowns */
-  answer solve(const std::vector<double> &mu, std::vector<double> *x, settings s = settings(),
-               const std::vector<double> &start = {}, const progress &look = nullptr) {
+  /* solves, with the certificate of the body: dls_reduction_solve. x, if given, receives a copy of
+   * answer.x */
+  answer solve(const std::vector<double> &mu, std::vector<double> *x = nullptr,
+               settings s = settings(), const std::vector<double> &start = {},
+               const progress &look = nullptr) {
     const double *MU = detail::pointer(mu, candidates, "solve", "mu", true);
     dls_contact sizes = {}; /* on K there is no W */
     sizes.nc = static_cast<int>(candidates);
     sizes.d = candidates ? static_cast<int>(m / candidates) : 2;
     answer a = detail::blank(sizes, start);
     if (!start.empty()) s.limits.warm_start = 1;
-    std::vector<double> unknown(unknowns());
+    a.x.resize(unknowns());
     const detail::watch w(&s.limits, look);
     a.status = call([&](dls_error *e) {
-      return dls_reduction_solve(work.get(), MU, &s, a.r.data(), a.u.data(), unknown.data(),
-                                 &a.info, e);
+      return dls_reduction_solve(work.get(), MU, &s, a.r.data(), a.u.data(), a.x.data(), &a.info,
+                                 e);
     });
     w.rethrow();
-    if (x) *x = std::move(unknown);
+    if (x) *x = a.x;
     return a;
+  }
+  /* the certificate of (x, r) on the body; u, if not NULL, receives H^T x + g */
+  dls_certificate certify(const std::vector<double> &mu, const std::vector<double> &r,
+                          const std::vector<double> &x, std::vector<double> *u = nullptr) {
+    const double *MU = detail::pointer(mu, candidates, "certify", "mu", true);
+    const double *R = detail::pointer(r, m, "certify", "r", false);
+    const double *X = detail::pointer(x, unknowns(), "certify", "x", false);
+    dls_certificate certificate = {};
+    std::vector<double> position(m);
+    call([&](dls_error *e) {
+      return dls_reduction_certify(work.get(), MU, R, X, position.data(), &certificate, e);
+    });
+    if (u) *u = std::move(position);
+    return certificate;
+  }
+  /* the state of each contact, on W or on K */
+  std::vector<dls_contact_state> states(const std::vector<double> &mu, const answer &a) {
+    const double *MU = detail::pointer(mu, candidates, "states", "mu", true);
+    const double *R = detail::pointer(a.r, m, "states", "r", false);
+    const double *U = detail::pointer(a.u, m, "states", "u", false);
+    std::vector<dls_contact_state> state(candidates);
+    call([&](dls_error *e) { return dls_reduction_states(work.get(), MU, R, U, state.data(), e); });
+    return state;
+  }
+  /* the rigid motion that proves that nothing holds a body, after DLS_NO_SOLUTION; or empty */
+  std::vector<double> motion() const {
+    const double *b = dls_reduction_motion(work.get(), nullptr);
+    return b ? std::vector<double>(b, b + unknowns()) : std::vector<double>();
   }
   std::vector<double> nodal(const std::vector<double> &r) const {
     std::vector<double> R(gaps);
     const double *weights = detail::pointer(r, m, "nodal", "r", false);
     call([&](dls_error *e) { return dls_reduction_nodal(work.get(), weights, R.data(), e); });
     return R;
-  }
-  double balance(const std::vector<double> &r) {
-    double imbalance = 0;
-    const double *R = detail::pointer(r, m, "balance", "r", false);
-    call([&](dls_error *e) { return dls_reduction_balance(work.get(), R, &imbalance, e); });
-    return imbalance;
   }
   dls_reduction_info info() const {
     dls_reduction_info i = {};

@@ -158,7 +158,8 @@ static dls_status part_scale_symmetric(const dense_part *part, dls_error *error)
     const double diagonal = A[i + i * s];
     if (!(diagonal > 0))
       return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, part->argument, part->unknown[i],
-                       diagonal, "not positive definite: diagonal entry %.3g", diagonal);
+                       diagonal < 0 ? -1 : 0, "not positive definite: diagonal entry %.3g",
+                       diagonal);
     const int e = ilogb(diagonal);
     part->row[i] = part->col[i] = inverse_power((e - (e & 1)) / 2);
   }

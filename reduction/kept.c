@@ -2,7 +2,7 @@
  * kept.c: the copy of the host's model that a reduction keeps for the certificate of the body: K,
  * the weights of the contacts, the connected bodies, the given loads and gaps.
  *
- * The factor cannot replace it: K x is a product with K itself, without the springs that hold it.
+ * The factor cannot replace it: K x is a product with K itself.
  * Cost: the entries of K, and O(entries) operations.
  */
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* reduced.h: gives the front what it needs of a reduction to solve the problem on K itself. */
+/* reduced.h: makes a reduction for the front, and gives it what it needs of one to solve on K. */
 #ifndef DLSI_REDUCED_H
 #define DLSI_REDUCED_H
 
@@ -17,6 +17,11 @@ typedef struct dlsi_reduced {
   int is_stale;          /* 1: the companion has the values before the last update, on K alone */
   int on_K;              /* 1: there is no W */
 } dlsi_reduced;
+
+/* Does the work of dls_reduction_create on K if settings->on is DLS_ON_K, else on W. *out = NULL
+ * after an error. settings: NULL for the defaults. */
+dls_status dlsi_reduction_create(dls_reduction **out, const dls_model *model,
+                                 const dls_reduction_settings *settings, dls_error *error);
 
 dlsi_reduced dlsi_reduction_body(dls_reduction *reduction);
 

@@ -5,16 +5,15 @@
  * interleaved, in local order per contact. The unknowns are M r, so that H = L P without his M.
  *
  *   (RE1)  build H = L P by rows, without what the scene does not need         (operator.c)
- *   (RE2)  take redundant joints out of K             (src/linear/redundant.c),
- *          put springs at its rigid-body modes, if there are any                (modes.c)
+ *   (RE2)  take redundant joints out of K             (src/linear/redundant.c)
  *   (RE3)  factor K                                                            (factor.c)
  *   (RE4)  form W                                                              (influence.c)
  *
  *   K indefinite, its Schur complement fails    factor K as a whole
- *   K singular                                  look for modes; (RE2), or report them
  *   K not positive definite                     (RE3) as DLS_LDLT, or report it
+ *   K singular                                  report it; the problem on K takes it (src/front)
  *
- * Memory: m^2 + O(n + nnz H) doubles beside the factor. Load, recover, balance: one solve each.
+ * Memory: m^2 + O(n + nnz H) doubles beside the factor. Load, recover: one solve each.
  */
 #include <float.h>
 #include <limits.h>
@@ -36,11 +35,7 @@ struct dls_reduction {
   dls_operator kind;
   dls_factorization factorization; /* as tagged */
   dlsi_factor *factor;
-  dlsi_modes modes;
-  double spring[dlsi_most_modes], foot[dlsi_most_modes]; /* s_j, c_j of each mode */
-  dlsi_follow follow;                                    /* of the feet */
   dls_reduction_info info;
-  int held;    /* 1: springs at all unknowns hold more modes than dlsi_most_modes */
   int ready;   /* 0 after an update that failed */
   int whole;   /* 1: K is factored without a Schur complement */
   int is_free; /* 1: the host gave K^-1 f instead of f */
@@ -78,7 +73,6 @@ static dls_status reduction_settings(const dls_reduction_settings *s, dls_error 
                               {"loads", s->loads, 1, INT_MAX, 0},
                               {"memory_limit", s->memory_limit, 0, INFINITY, 0},
                               {"allow_indefinite", s->allow_indefinite, 0, 1, 0},
-                              {"stabilize", s->stabilize, 0, 1, 0},
                               {"form_W", s->form_W, 0, 1, 0},
                               {"frictionless", s->frictionless, 0, 1, 0}};
   if (s->size == sizeof *s) return dlsi_check_each(sizeof own / sizeof own[0], own, error);
@@ -179,100 +173,52 @@ static int reduction_schur_fails(const dls_reduction *work, dls_factorization fa
          (!status && !(dlsi_schur_measured(work->factor->schur)->error <= 1000 * DBL_EPSILON));
 }
 
-/* Adds springs to K: at the unknowns of the modes, or at all unknowns if there are more than
- * dlsi_most_modes modes. spring: dlsi_most_modes, scratch. The caller calls dlsi_stable_free, also
- * after an error. */
-static dls_status reduction_hold(const dls_reduction *work, const dls_model *model, double *spring,
-                                 dlsi_stable *stable, dls_error *error) {
-  if (!work->held) return dlsi_stable_create(stable, model, &work->modes, spring, error);
-  const size_t n = work->n;
-  dlsi_modes all = {.count = (int)n, .unknown = dlsi_alloc(n, sizeof *all.unknown)};
-  double *each = dlsi_alloc(n, sizeof *each);
-  dls_status status = all.unknown && each ? DLS_OK : dlsi_no_memory(error);
-  *stable = (dlsi_stable){.model = *model};
-  for (size_t j = 0; !status && j < n; j++)
-    all.unknown[j] = (int)j;
-  if (!status) status = dlsi_stable_create(stable, model, &all, each, error);
-  free(all.unknown);
-  free(each);
-  return status;
-}
-
-/* Factors K with the springs that hold it, as a whole where the Schur complement fails. */
+/* Factors K, as a whole where the Schur complement fails. */
 static dls_status reduction_attempt(dls_reduction *work, const dls_model *model, dls_error *error) {
-  dlsi_stable stable;
-  dls_status status = reduction_hold(work, model, work->spring, &stable, error);
-  stable.model.factorization = work->info.indefinite ? DLS_LDLT : model->factorization;
-  if (!status) {
-    status = reduction_factor_once(work, &stable.model, error);
-    if (reduction_schur_fails(work, stable.model.factorization, status)) {
-      reduction_forget_factor(work);
-      work->whole = 1;
-      status = reduction_factor_once(work, &stable.model, error);
-      if (status) reduction_forget_factor(work);
-      work->whole = !status;
-    }
-  }
-  dlsi_stable_free(&stable);
+  dls_model K = *model;
+  if (work->info.indefinite) K.factorization = DLS_LDLT;
+  dls_status status = reduction_factor_once(work, &K, error);
+  if (!reduction_schur_fails(work, K.factorization, status)) return status;
+  reduction_forget_factor(work);
+  work->whole = 1;
+  status = reduction_factor_once(work, &K, error);
+  if (status) reduction_forget_factor(work);
+  work->whole = !status;
   return status;
 }
 
-static dls_status reduction_report_modes(const dls_model *model, const dlsi_modes *modes,
-                                         dls_error *error) {
-  char list[64] = "";
-  size_t end = 0;
-  for (int k = 0; k < modes->count && k < 6; k++) {
-    const int wrote =
-        snprintf(list + end, sizeof list - end, "%s%d", k > 0 ? ", " : "", modes->unknown[k]);
-    if (wrote < 0 || (size_t)wrote >= sizeof list - end) break;
-    end += (size_t)wrote;
-  }
-  return dlsi_fail(
-      error, DLS_E_SINGULAR, model->operator_kind == DLS_STIFFNESS_DENSE ? "K" : "Ks",
-      modes->unknown[0], modes->count,
-      "singular: %d%s rigid-body mode%s, of unknowns %s%s; settings.stabilize holds %s",
-      modes->count, modes->count == dlsi_most_modes ? " or more" : "", modes->count > 1 ? "s" : "",
-      list, modes->count > 6 ? ", .." : "", modes->count > 1 ? "them" : "it");
-}
+/* A pivot of the scaled K that is <= 0, but not by more, is the rounding of a free body's 0: of n
+ * eps times the squares of a rigid motion over its value at the last unknown. Above that condition
+ * an indefinite factor of such a K holds nothing but rounding. */
+static const double pivot_of_free = -1.5e-8, condition_of_free = 1e12;
 
-/* Attempts. If K asks for it, looks for modes and tries another factorisation. */
+/* Attempts, as DLS_LDLT too where that is allowed. */
 static dls_status reduction_search(dls_reduction *work, const dls_model *model, dls_error *error) {
-  dls_error first = {0};
-  dls_status status = reduction_attempt(work, model, &first);
-  const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
-  if (stuck && dlsi_watch_stage(&work->watch, "modes", 0)) return DLS_CANCELLED;
-  if (stuck && work->modes.count == 0) {
-    reduction_forget_factor(work);
-    dls_error second;
-    const dls_status looked = dlsi_modes_create(&work->modes, model, (dls_dense){0}, &second);
-    const int found = !looked && work->modes.count;
-    if (found && work->settings.stabilize) {
-      status = reduction_attempt(work, model, &first);
-      const int more = work->modes.count == dlsi_most_modes;
-      if (more && (status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE)) {
-        reduction_forget_factor(work);
-        dlsi_modes_free(&work->modes);
-        work->held = 1;
-        status = reduction_attempt(work, model, &first);
-      }
-    } else {
-      if (looked == DLS_E_MEMORY) {
-        status = looked;
-        first = second;
-      }
-      if (found) status = reduction_report_modes(model, &work->modes, &first);
-      dlsi_modes_free(&work->modes);
-    }
-  }
-  if (status == DLS_E_NOT_POSITIVE_DEFINITE && work->settings.allow_indefinite &&
-      !work->info.indefinite) {
+  dls_error why = {0};
+  dls_status status = reduction_attempt(work, model, &why);
+  const int not_definite = status == DLS_E_NOT_POSITIVE_DEFINITE;
+  int is_free = not_definite && why.value > pivot_of_free;
+  if (not_definite && work->settings.allow_indefinite && !work->info.indefinite) {
+    dls_error second = {0};
     reduction_forget_factor(work);
     work->info.indefinite = 1;
-    status = reduction_attempt(work, model, &first);
+    status = reduction_attempt(work, model, &second);
+    if (!status)
+      is_free &= work->factor->rcond * condition_of_free < 1;
+    else if (status != DLS_E_SINGULAR && status != DLS_E_UNSUPPORTED)
+      is_free = 0;
+    if (!is_free) why = second;
   }
-  if (status < 0 && error) *error = first;
+  if (is_free)
+    status = dlsi_fail(&why, DLS_E_SINGULAR, why.argument, why.index, why.value,
+                       "singular: pivot %.3g (scaled)", why.value);
+  if (status == DLS_E_SINGULAR) {
+    const size_t end = strlen(why.message);
+    (void)snprintf(why.message + end, sizeof why.message - end,
+                   "; W needs bodies that are held, K does not");
+  }
+  if (status < 0 && error) *error = why;
   if (status) return status;
-  work->info.modes = work->held ? dlsi_most_modes + 1 : work->modes.count;
   work->info.condition = work->factor->rcond > 0 ? 1 / work->factor->rcond : 0;
   return DLS_OK;
 }
@@ -341,8 +287,6 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   if (status) return status;
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
-  memset(work->foot, 0, sizeof work->foot);
-  work->follow = (dlsi_follow){0};
   work->is_free = work->half = 0;
   if (work->settings.form_W) {
     status = dlsi_watch_stage(&work->watch, "W", reduction_batches(work));
@@ -357,8 +301,7 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   return status;
 }
 
-/* Does everything before the factorisation: checks, H, sizes, the modes that are given. *out = NULL
- * after an error. */
+/* Does everything before the factorisation: checks, H, sizes. *out = NULL after an error. */
 static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
                                   const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction_settings defaults;
@@ -386,8 +329,6 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   work->m = (size_t)work->H.d * (size_t)work->H.candidates;
   work->info.contacts = work->H.candidates;
   if (!status) status = reduction_allocate(work, error);
-  if (!status && model->modes.a)
-    status = dlsi_modes_create(&work->modes, model, model->modes, error);
   if (status)
     dls_reduction_destroy(work);
   else
@@ -395,8 +336,8 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   return status;
 }
 
-static dls_status reduction_create(dls_reduction **out, const dls_model *model,
-                                   const dls_reduction_settings *settings, dls_error *error) {
+dls_status dlsi_reduction_create(dls_reduction **out, const dls_model *model,
+                                 const dls_reduction_settings *settings, dls_error *error) {
   if (!out) return dlsi_is_null(error, "out");
   dls_status status = reduction_begin(out, model, settings, error);
   if (status) return status;
@@ -408,17 +349,6 @@ static dls_status reduction_create(dls_reduction **out, const dls_model *model,
   return status;
 }
 
-dls_status dls_reduction_create_with(dls_reduction **out, const dls_model *model,
-                                     const dls_reduction_settings *settings, dls_error *error) {
-  DLSI_DOOR;
-  return dlsi_at(__func__, reduction_create(out, model, settings, error), error);
-}
-
-dls_status dls_reduction_create(dls_reduction **out, const dls_model *model, dls_error *error) {
-  DLSI_DOOR;
-  return dlsi_at(__func__, reduction_create(out, model, NULL, error), error);
-}
-
 static dls_status reduction_estimate(const dls_model *model, const dls_reduction_settings *settings,
                                      dls_reduction_info *info, dls_error *error) {
   dls_reduction *work;
@@ -426,13 +356,9 @@ static dls_status reduction_estimate(const dls_model *model, const dls_reduction
   dls_status status = reduction_begin(&work, model, settings, error);
   if (status) return status;
   dlsi_apart apart;
-  dlsi_stable stable = {.K = {0}};
   const dls_sparse Ht = dlsi_columns_view(&work->H.Ht);
   status = dlsi_apart_create(&apart, model, &Ht, error);
-  if (!status) status = reduction_hold(work, &apart.model, work->spring, &stable, error);
-  if (!status) status = reduction_analyse(work, &stable.model, error);
-  dlsi_stable_free(&stable);
-  work->info.modes = work->modes.count;
+  if (!status) status = reduction_analyse(work, &apart.model, error);
   work->info.joints = apart.joints;
   work->info.redundant = apart.count;
   dlsi_apart_free(&apart);
@@ -477,13 +403,9 @@ static dls_status reduction_same(const dls_reduction *work, const dls_model *mod
                      "HN, HT, P touch other unknowns than those of create");
   if (!work->factor) return DLS_OK;
   dlsi_apart apart;
-  dlsi_stable stable = {.K = {0}};
-  double spring[dlsi_most_modes];
   const dls_sparse Ht = dlsi_columns_view(&H->Ht);
   dls_status status = dlsi_apart_create(&apart, model, &Ht, error);
-  if (!status) status = reduction_hold(work, &apart.model, spring, &stable, error);
-  if (!status) status = dlsi_factor_same(work->factor, &stable.model, error);
-  dlsi_stable_free(&stable);
+  if (!status) status = dlsi_factor_same(work->factor, &apart.model, error);
   dlsi_apart_free(&apart);
   return status;
 }
@@ -521,7 +443,6 @@ void dls_reduction_destroy(dls_reduction *reduction) {
   reduction_forget_factor(reduction);
   reduction_drop_companion(reduction);
   dlsi_kept_free(&reduction->kept);
-  dlsi_modes_free(&reduction->modes);
   free(reduction->redundant);
   dlsi_operator_free(&reduction->H);
   free(reduction->W);
@@ -529,7 +450,7 @@ void dls_reduction_destroy(dls_reduction *reduction) {
   free(reduction);
 }
 
-/* ---- info, load, contact, recover, balance, nodal -------------------------------------------- */
+/* ---- info, load, contact, recover, nodal ----------------------------------------------------- */
 
 static dls_status reduction_ready(const dls_reduction *work, dls_error *error) {
   if (!work) return dlsi_is_null(error, "reduction");
@@ -628,8 +549,6 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   for (size_t k = 0; k < work->n; k++)
     work->kept.f[k] = f ? f[k] : 0;
   memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
-  memset(work->foot, 0, sizeof work->foot);
-  work->follow.turned = 0;
   work->is_free = 0;
   return DLS_OK;
 }
@@ -645,10 +564,6 @@ dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const d
 static dls_status reduction_load_free(dls_reduction *work, const double *x_free, const double *g,
                                       dls_error *error) {
   dls_status status = reduction_ready(work, error);
-  if (!status && work->info.modes > 0)
-    status = dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, work->info.modes,
-                       "holds %d rigid-body mode%s: K^-1 f does not exist", work->info.modes,
-                       work->info.modes == 1 ? "" : "s");
   if (!status) status = dlsi_check_vector("x_free", x_free, work->n, error);
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
@@ -731,7 +646,7 @@ static dls_status reduction_expand(dls_reduction *work, const double *r, dls_err
   return status;
 }
 
-/* Solves work->x := K^-1 (f + H r + sum_k s_k c_k e_k): springs with feet at c, as in balance. */
+/* Solves work->x := K^-1 (f + H r). */
 static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_error *error) {
   const dlsi_columns *Ht = &work->H.Ht;
   const int *unknown = work->factor->unknown;
@@ -750,9 +665,6 @@ static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_
   if (status) return status;
   for (size_t k = 0; work->is_free && k < work->n; k++)
     work->x[k] += work->f[k];
-  for (int c = 0; c < work->modes.count; c++)
-    for (size_t k = 0; work->foot[c] != 0 && k < work->n; k++)
-      work->x[k] += work->foot[c] * work->modes.basis[(size_t)unknown[k] + (size_t)c * work->n];
   const long long bad = dlsi_first_not_finite(work->x, work->n);
   if (bad < 0) return DLS_OK;
   return dlsi_fail(error, DLS_E_NOT_FINITE, "x", unknown[bad], work->x[bad], "overflow");
@@ -773,62 +685,6 @@ dls_status dls_reduction_recover(dls_reduction *reduction, const double *r, doub
   DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_recover(reduction, r, x, error));
-  return dlsi_at(__func__, status, error);
-}
-
-/* Returns |b|^T (|f| + |H||r|) of mode k. */
-static double reduction_turmoil(const dls_reduction *work, int k, const double *r) {
-  const dlsi_columns *Ht = &work->H.Ht;
-  double sum = 0;
-  for (size_t at = 0; at < work->n; at++) {
-    const size_t i = (size_t)work->factor->unknown[at];
-    double load = fabs(work->f[at]);
-    for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
-      load += fabs(Ht->x[e] * r[Ht->i[e]]);
-    sum += fabs(work->modes.basis[i + (size_t)k * work->n]) * load;
-  }
-  return sum;
-}
-
-static dls_status reduction_balance(dls_reduction *work, const double *r, double *imbalance,
-                                    dls_error *error) {
-  dls_status status = reduction_on_W(work, error);
-  if (!status) status = reduction_given(work, r, "r", r, error);
-  if (!status) status = reduction_solve_for(work, r, error);
-  if (status) return status;
-  double worst = 0, stretch[dlsi_most_modes] = {0}, move[dlsi_most_modes] = {0};
-  for (int k = 0; k < work->modes.count; k++) {
-    stretch[k] = work->x[work->factor->place[work->modes.unknown[k]]] - work->foot[k];
-    const double load = reduction_turmoil(work, k, r);
-    const double part = load > 0 ? fabs(work->spring[k] * stretch[k]) / load : 0;
-    if (!(part <= worst)) worst = part;
-  }
-  dlsi_follow next = work->follow;
-  dlsi_follow_step(&next, work->modes.count, work->spring, stretch, move);
-  /* The springs alone give K^-1 s_k e_k = b_k: q += H^T sum_k b_k (x_k - c_k). */
-  for (size_t i = 0; i < work->n; i++) {
-    work->x[i] = 0;
-    for (int k = 0; k < work->modes.count; k++)
-      work->x[i] +=
-          move[k] * work->modes.basis[(size_t)work->factor->unknown[i] + (size_t)k * work->n];
-  }
-  memcpy(work->v, work->q, work->m * sizeof *work->v);
-  dlsi_operator_add(&work->H, work->factor->unknown, work->n, work->x, work->v);
-  status = reduction_take_q(work, error);
-  if (status) return status;
-  work->follow = next;
-  for (int k = 0; k < work->modes.count; k++)
-    work->foot[k] += move[k];
-  if (imbalance) *imbalance = worst;
-  return DLS_OK;
-}
-
-dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
-                                 dls_error *error) {
-  DLSI_DOOR;
-  dls_status status = reduction_enter(reduction, error);
-  if (!status)
-    status = dlsi_leave(&reduction->busy, reduction_balance(reduction, r, imbalance, error));
   return dlsi_at(__func__, status, error);
 }
 
@@ -874,8 +730,7 @@ static dls_status reduction_certify(dls_reduction *work, const double *mu, const
   if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
   if (status) return status;
   reduction_weigh(work);
-  const int regular =
-      !is_on_K(work) && work->modes.count == 0 && work->info.condition <= most_condition;
+  const int regular = !is_on_K(work) && work->info.condition <= most_condition;
   status = dlsi_kept_certify(&work->kept, &work->H, mu, r, x, tol, regular, certificate, error);
   if (status) return status;
   if (u) memcpy(u, work->kept.u, work->m * sizeof *u);

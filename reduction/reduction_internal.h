@@ -112,46 +112,6 @@ dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const doub
 /* Returns the body, which lives where *kept does. */
 const dlsi_body *dlsi_kept_body(dlsi_kept *kept);
 
-/* ---- rigid-body modes ------------------------------------------------------------------------ */
-
-typedef struct dlsi_modes {
-  int count;
-  double *basis; /* n x count, column-major */
-  int *unknown;  /* count: column k has a 1 in unknown[k], where the other columns have 0 */
-} dlsi_modes;
-
-/* Finds the null space of a checked stiffness, dense or sparse; count 0 if there is none. If
- * given.a is not NULL, takes that basis: its columns must be null vectors of K (DLS_E_ARGUMENT
- * names the column). The caller calls dlsi_modes_free, also after an error. DLS_E_MEMORY. */
-dls_status dlsi_modes_create(dlsi_modes *modes, const dls_model *model, dls_dense given,
-                             dls_error *error);
-void dlsi_modes_free(dlsi_modes *modes);
-
-/* What the springs' feet keep from one turn of the balance to the next. */
-typedef struct dlsi_follow {
-  int learnt, turned; /* 1: M is not the unit matrix; 1: stretch and move are those of a turn */
-  double M[dlsi_most_modes * dlsi_most_modes]; /* column-major, leading dimension = modes */
-  double stretch[dlsi_most_modes], move[dlsi_most_modes];
-} dlsi_follow;
-
-/* Computes the next move of the feet: move := M stretch, M by Broyden's method (modes.c). spring:
- * stiffnesses; stretch: x_j - c_j; move: receives the change of c; count each. */
-void dlsi_follow_step(dlsi_follow *follow, int count, const double *spring, const double *stretch,
-                      double *move);
-
-/* A model whose K has springs: K + spring_k e_j e_j^T for j = unknown[k] of each mode, spring_k =
- * 0.1 K_jj, or 0.1 times the largest entry of column j where K_jj is not positive. */
-typedef struct dlsi_stable {
-  dls_model model;
-  dlsi_columns K; /* the arrays of the new K; of a dense one only x */
-} dlsi_stable;
-
-/* spring: receives the stiffnesses, modes->count. The caller calls dlsi_stable_free, also after an
- * error. DLS_E_MEMORY, DLS_E_SIZE. */
-dls_status dlsi_stable_create(dlsi_stable *stable, const dls_model *model, const dlsi_modes *modes,
-                              double *spring, dls_error *error);
-void dlsi_stable_free(dlsi_stable *stable);
-
 /* ---- W --------------------------------------------------------------------------------------- */
 
 /* Forms W := H^T K^-1 H, m x m. DLS_E_NOT_FINITE naming W, DLS_E_MEMORY, the errors of the

@@ -17,6 +17,18 @@ export CK_TIMEOUT_MULTIPLIER=5 # a busy machine is no failure
 [ -n "$runner" ] && export CK_FORK=no
 export PYTHONPATH=src/python PYTHONDONTWRITEBYTECODE=1 DELASSUS_LIBRARY=$build/libdelassus.so DELASSUS_PROGRAM=$build/delassus
 
+# python SOURCE: runs it. A library with a sanitizer, or under a runner, does not go into an interpreter.
+no_python=
+if [ -z "${PYTHON:-}" ]; then no_python='no python3 with numpy and scipy'
+elif [ -n "$runner" ] || nm -D "$build/libdelassus.so" | grep -q '__[atu]san_'; then no_python='left out of a checked build'
+fi
+have_python=${PYTHON:-}
+[ -n "$no_python" ] && PYTHON=
+skip() { tests/skip.sh "$@" || failed=$((failed + 1)); }
+leave_out() { if [ -n "$have_python" ]; then echo "$1: $no_python"; else skip "$1, $no_python"; fi; }
+export PYTHON DELASSUS_BUILD=$build
+python() { "$PYTHON" "$@"; }
+
 # clock: sets cpu to the CPU seconds of all programs so far
 clock() {
   times >"$times.now"
@@ -37,21 +49,13 @@ run() {
 
 for program in "$build"/tests/*/test_*; do
   [ -x "$program" ] || continue
-  [ -n "$languages" ] && case $program in *-cpp | *-f90) ;; *) continue ;; esac
+  [ -n "$languages" ] && case $program in *-cpp | *-f90 | */test_door) ;; *) continue ;; esac
   run "${program#"$build"/}" $runner "$program"
 done
 
-# python SOURCE: runs it. A library with a sanitizer, or under a runner, does not go into an interpreter.
-no_python=
-if [ -z "${PYTHON:-}" ]; then no_python='no python3 with numpy and scipy'
-elif [ -n "$runner" ] || nm -D "$build/libdelassus.so" | grep -q '__[atu]san_'; then no_python='left out of a checked build'
-fi
-python() { "$PYTHON" "$@"; }
-leave_out() { if [ -n "${PYTHON:-}" ]; then echo "$1: $no_python"; else skip "$1, $no_python"; fi; }
-skip() { tests/skip.sh "$@" || failed=$((failed + 1)); }
-
 for source in tests/languages/test_*.*; do
   case $source in
+  *.c) ;;
   *.py)
     [ -n "$no_python" ] && leave_out "$source" && continue
     run "$source" python "$source" ;;
@@ -86,7 +90,14 @@ for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py examples/
     on && /^( \*\/|[^ !#]|$)/ { exit }
     on { sub(/^( \*|!|#) ?/, ""); sub(/^  /, ""); print }' "$source")
   run "$source" prints "$expected" "$@"
+  rounded=$build/rounded/${name##*/}
+  case $source in *.c) [ -x "$rounded" ] && run "rounded/${name##*/}" prints \
+    "$(echo "$expected" | sed 's/^solved:/solved to rounding:/')" $runner "$rounded" ;; esac
 done
+# the program of the first page is examples/point.c
+if [ -z "$languages" ]; then
+  run README.md prints "$(sed '1,/^ \*\/$/d' examples/point.c)" awk '/^```c$/ { on = 1; next } /^```/ { on = 0 } on' README.md
+fi
 
 rm -f "$times.now"
 echo 'CPU seconds of the longest:'

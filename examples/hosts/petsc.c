@@ -58,25 +58,24 @@ static int solve_by_ksp(void *user, double *X, int rows, int count) {
   return 0;
 }
 
-/* Condenses, solves, recovers; prints what came of it. */
+/* Solves; prints what came of it. */
 static int run(const char *name, const dls_model *model, double *unknowns) {
   dls_reduction *reduction;
-  dls_contact problem;
   dls_error error;
   dls_contact_state state[nc];
   int count[3] = {0};
-  dls_status status = dls_reduction_create(&reduction, model, &error);
+  /* -> delassus */
+  dls_status status = dls_reduction_create(&reduction, model, NULL, &error);
   if (!status) status = dls_reduction_load(reduction, f, NULL, &error);
-  if (!status) status = dls_reduction_contact(reduction, mu, &problem, &error);
-  if (!status) status = dls_solve(&problem, NULL, r, u, NULL, &error);
-  if (!status) status = dls_reduction_recover(reduction, r, unknowns, &error);
-  if (!status) status = dls_contact_states(&problem, r, u, state, &error);
-  for (int c = 0; c < nc && !status; c++)
-    count[state[c]]++;
+  if (!status) status = dls_reduction_solve(reduction, mu, NULL, r, u, unknowns, NULL, &error);
+  /* <- delassus */
+  if (dls_solved(status) && !dls_reduction_states(reduction, mu, r, u, state, NULL))
+    for (int c = 0; c < nc; c++)
+      count[state[c]]++;
   printf("%s: %s, free %d, slip %d, stick %d\n", name,
          status < 0 ? error.message : dls_status_text(status), count[0], count[1], count[2]);
   dls_reduction_destroy(reduction);
-  return status == DLS_OK;
+  return dls_solved(status);
 }
 
 int main(int argc, char **argv) {
@@ -89,6 +88,7 @@ int main(int argc, char **argv) {
   PetscScalar *values;
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(assemble(&K));
+  /* -> delassus */
   dls_model model = {.d = 3, .n = n, .nodes = nc, .factorization = DLS_CHOLESKY};
   model.HN = (dls_sparse){n, nc, each, normal, ones};
   model.HT = (dls_sparse){n, 2 * nc, each, tangent, ones};
@@ -97,6 +97,7 @@ int main(int argc, char **argv) {
   PetscCall(MatSeqAIJGetArray(K, &values));
   model.operator_kind = DLS_STIFFNESS_SPARSE;
   model.Ks = (dls_sparse){n, n, p, i, values};
+  /* <- delassus */
   int good = run("Mat", &model, x[0]);
   PetscCall(MatSeqAIJRestoreArray(K, &values));
   PetscCall(KSPCreate(PETSC_COMM_SELF, &ksp));

@@ -66,7 +66,7 @@ DLS_API DLS_MUST_USE dls_status dls_derive_create(dls_derive **out, const dls_co
 /* Works as dls_derive_create for the body of a reduction, made on W or on K, and its answer (r, x)
  * for the last load. The reduction must not be updated until destroy. mu: one for each contact;
  * NULL: model.mu. r: m; x: n. K may be singular if contacts alone hold a body; (r, x) is in
- * equilibrium without the springs of held modes. Factorises a sparse matrix of K and the contacts.
+ * equilibrium. Factorises a sparse matrix of K and the contacts.
  *
  * For a dls_global make a reduction of its model with settings.on = DLS_ON_K, which factorises
  * nothing, and load f and g. DLS_E_UNSUPPORTED for a flexibility or a host's solver: use

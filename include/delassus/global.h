@@ -29,7 +29,7 @@ typedef struct dls_global dls_global;
 /* Copies the model, analyses K + H R H^T. *out = NULL on error. model: DLS_STIFFNESS_DENSE (its
  * zeros are left out) or DLS_STIFFNESS_SPARSE; K may be singular, symmetric or not, and with
  * DLS_CHOLESKY need not be definite. Contacts are the active candidates; where model.mu is 0
- * the tangents are left out. model.modes is not read. m = d * contacts.
+ * the tangents are left out. m = d * contacts.
  *
  * Memory: the factor of K + H R H^T, twice K, H, some vectors. DLS_E_UNSUPPORTED for a flexibility
  * or a host's solver, and for K unsymmetric or indefinite with more than 8000 unknowns in a build

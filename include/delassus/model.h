@@ -77,16 +77,12 @@ typedef struct dls_model {
       *active;      /* candidates: 0 leaves a candidate out of the contact problem; NULL for none */
   const double *mu; /* candidates: where it is 0 the tangents are left out; NULL: all are wanted */
 
-  /* K singular by rigid-body motions: n x k, a basis of its null space, to be held by springs
-   * (dls_reduction_balance); modes.a = NULL for none. DLS_STIFFNESS_DENSE and _SPARSE only. */
-  dls_dense modes;
-
   /* DLS_LU: 1 says that a K without entries above its diagonal is all of K, not half of it. */
   int triangular;
 } dls_model;
 
 /* Checks sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P",
- * "active", "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x,
+ * "active", "mu", ...) and the index: position i + j*ld in a dense matrix, position in x,
  * i or p of a sparse matrix, column for a column of P whose sum is not > 0. Of a K for DLS_CHOLESKY
  * or DLS_LDLT only the lower triangle is read; a sparse one with entries above the diagonal and
  * none below is refused. Of a K for DLS_LU a lower triangle alone is refused unless `triangular`.

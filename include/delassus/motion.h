@@ -78,8 +78,6 @@ typedef struct dls_motion_settings {
                          fraction of the bodies' size if they rest on each other; 0     length */
   double forecast;    /* 0 <= forecast <= 1: fraction of the step after which the gap is predicted;
                          1/2 */
-  int stabilize;      /* path: 1: solve on K, for bodies that contact alone holds; a singular K is
-                         solved there in any case, with method auto; 0 */
 } dls_motion_settings;
 
 /* Sets each field to its default. */

@@ -73,7 +73,7 @@ typedef struct dls_mpi_reduction dls_mpi_reduction;
 
 /* Creates a reduction: orders and factorises K, forms W; *out = NULL on error. settings: those of
  * the serial reduction, from rank 0; NULL for the defaults. memory_limit is in bytes on a rank,
- * compared with MUMPS's estimate. stabilize, or form_W = 0: DLS_E_UNSUPPORTED.
+ * compared with MUMPS's estimate. form_W = 0: DLS_E_UNSUPPORTED.
  *
  * Memory of a rank: its share of the factor, three times its share of b^2 doubles (b unknowns that
  * H touches), its entries of K, H, 14 vectors of n; on rank 0 the pattern of K while it is ordered.

@@ -30,21 +30,9 @@
 extern "C" {
 #endif
 
-/* Finds the rigid-body modes of K, dense or sparse, without redundant joints: its null space to
- * working precision, |K x| <= 50 eps |K||x| with rows and columns scaled. Factorises a shifted K.
- *
- *   *count          number of modes, at most 24
- *   basis           n x most, or NULL: up to `most` modes
- *   unknown         most, or NULL: mode k is 1 at unknown[k], where all others are 0. A body's
- *                   modes are 0 on other bodies. Fixing unknown[0 .. *count-1] fixes all modes
- *
- * DLS_E_UNSUPPORTED for a flexibility or a host's solver. */
-DLS_API DLS_MUST_USE dls_status dls_model_modes(const dls_model *model, int most, double *basis,
-                                                int *unknown, int *count, dls_error *error);
-
 /* The matrix on which the contact problem is solved. */
 typedef enum dls_on {
-  DLS_ON_EITHER, /* dls_reduction_create_either chooses; other functions use W */
+  DLS_ON_EITHER, /* dls_reduction_create chooses; dls_reduction_estimate: W */
   DLS_ON_W,      /* the Delassus matrix, m x m and dense: few contacts, many loads, any method */
   DLS_ON_K       /* the stiffness (global.h): contact over whole surfaces, bodies that contact alone
                     holds; by dls_reduction_solve with method auto */
@@ -57,14 +45,12 @@ typedef struct dls_reduction_settings {
   double memory_limit;  /* bytes; a larger estimate is DLS_E_MEMORY; 0: no limit; 0 */
   int allow_indefinite; /* 1: factorises an indefinite K tagged DLS_CHOLESKY as DLS_LDLT; 0: that is
                            an error; 0 */
-  int stabilize;        /* 1: finds the rigid-body modes of a singular K and holds them, like given
-                       model.modes; 0: a singular K is an error; 0 */
-  int form_W;           /* 0: q and x only, for methods that work on K; 1 */
+  int form_W;       /* 0: q and x only, for methods that work on K: DLS_ON_EITHER is W then; 1 */
   int frictionless; /* 1: condenses H_N alone. The contact problem has d = 1: one entry of r, u and
                        q per contact, 1/4 (2D) or 1/9 (3D) of W's memory. HT is checked, not used;
                        model.mu must be 0 or NULL (DLS_E_ARGUMENT); 0 */
   dls_progress_fn progress; /* called in create and update, about every millisecond. dls_progress
-                               has method "reduction"; stage "analysis", "factor", "modes" or "W";
+                               has method "reduction"; stage "analysis", "factor" or "W";
                                iteration of max_iterations pieces (0: unknown); residual -1, r NULL.
                                A value other than 0 cancels: DLS_CANCELLED, after the running call
                                of METIS, MUMPS or LAPACK's LU. NULL for none; NULL */
@@ -86,12 +72,11 @@ typedef struct dls_reduction_info {
   double flops;        /* of the factorisation and of S^-1, from the analysis */
   double condition;    /* estimate for K scaled; 0 before the work, or if K is not factorised */
   int indefinite;      /* K was tagged DLS_CHOLESKY and is not positive definite */
-  int modes;     /* rigid-body modes held by springs; 25: more than 24, springs at all unknowns */
-  int joints;    /* multipliers among the unknowns (model.h) */
-  int redundant; /* joints that follow from others; their multipliers are 0 */
+  int joints;          /* multipliers among the unknowns (model.h) */
+  int redundant;       /* joints that follow from others; their multipliers are 0 */
 } dls_reduction_info;
 
-/* Estimates the cost of dls_reduction_create_with. For a sparse K it orders and analyses the
+/* Estimates the cost of dls_reduction_create on W. For a sparse K it orders and analyses the
  * matrix, which is a few per cent of the work in 3D, and up to half of it in 2D. settings NULL for
  * the defaults; memory_limit is not applied. Errors of dls_reduction_create. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_estimate(const dls_model *model,
@@ -100,10 +85,21 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_estimate(const dls_model *model,
 
 typedef struct dls_reduction dls_reduction;
 
-/* Creates a reduction: factorises K and forms W. *out = NULL on error. W is exactly symmetric with
- * DLS_CHOLESKY and DLS_LDLT. Threads wait for one another in METIS and MUMPS.
+/* Creates a reduction: on W it factorises K and forms W, on K it copies K and H. settings NULL for
+ * the defaults. settings.on DLS_ON_EITHER chooses:
  *
- * Memory in doubles, with m = d * (active contacts), or the active contacts if frictionless:
+ *   W   K is not known (flexibility, host's solver), or form_W is 0
+ *   K   K is singular, or W would exceed settings.memory_limit
+ *   W   d * (contacts) <= 100
+ *   otherwise the one with the lower estimated cost of settings.loads solves
+ *
+ * dls_reduction_get_info returns the choice. dls_reduction_solve works on both; so do load,
+ * load_free, certify, judge, states, nodal, update. dls_reduction_contact and dls_reduction_recover
+ * need W, and return DLS_E_UNSUPPORTED on K: set settings.on to DLS_ON_W for them.
+ *
+ * W is exactly symmetric with DLS_CHOLESKY and DLS_LDLT. Threads wait for one another in METIS and
+ * MUMPS. Memory on W in doubles, with m = d * (active contacts), or the active contacts if
+ * frictionless:
  *
  *   W                                   m^2
  *   K^-1, dense K                       n^2
@@ -113,47 +109,25 @@ typedef struct dls_reduction dls_reduction;
  *                                       four times the columns of H
  *   while forming W                     128 n or b^2 more at most
  *
- * Errors:
+ * Errors, with *out = NULL; the first only with DLS_ON_W:
  *
  *   DLS_E_SINGULAR               condition above 4e14 after scaling rows and columns, independent
- *                                of units. Names K or Ks. Rigid-body modes: value is their number,
- *                                index the first of the unknowns that the message lists; give
- *                                model.modes or set settings.stabilize. Otherwise index is an
- *                                unknown where it shows
+ *                                of units: a body is free to move. Names K or Ks; index is an
+ *                                unknown where it shows, or -1
  *   DLS_E_NOT_POSITIVE_DEFINITE  index: unknown of a pivot <= 0, value: that pivot of the scaled
  *                                matrix; or index -1 and value the number of negative pivots
  *   DLS_E_NOT_FINITE             overflow in "W", or entries of Ks that add up to Inf
  *   DLS_E_MEMORY                 with the figures
  *
- * DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_SETTINGS, and those of dls_model_check. */
+ * DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_SETTINGS, and those of dls_model_check.
+ * DLS_CANCELLED, which is not negative, if settings.progress cancels: *out = NULL then, too. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
+                                                     const dls_reduction_settings *settings,
                                                      dls_error *error);
 
-/* Works as dls_reduction_create, with settings; NULL for the defaults. DLS_CANCELLED, which is not
- * negative, if settings.progress cancels: *out = NULL then, too. */
-DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
-                                                          const dls_model *model,
-                                                          const dls_reduction_settings *settings,
-                                                          dls_error *error);
-
-/* Works as dls_reduction_create_with, and chooses W or K if settings.on is DLS_ON_EITHER:
- *
- *   W   K is not known (flexibility, host's solver)
- *   K   K is singular, rigid-body modes are given or settings.stabilize is set, or W would exceed
- *       settings.memory_limit
- *   otherwise the one with the lower estimated cost of settings.loads solves
- *
- * dls_reduction_get_info returns the choice. On K you can call load, load_free, certify, nodal,
- * update and dls_reduction_solve; dls_reduction_contact, recover and balance need W and return
- * DLS_E_UNSUPPORTED. Errors of dls_reduction_create_with. */
-DLS_API DLS_MUST_USE dls_status dls_reduction_create_either(dls_reduction **out,
-                                                            const dls_model *model,
-                                                            const dls_reduction_settings *settings,
-                                                            dls_error *error);
-
 /* Takes new values of K, H, P on the pattern of create and forms W again. The analysis and the
- * memory are reused, views (dls_reduction_contact) stay valid, the modes stay those of create, f
- * and q become 0.
+ * memory are reused, views (dls_reduction_contact) stay valid, f and q become 0. The choice of W or
+ * K stays that of create.
  *
  *   DLS_E_SIZE, DLS_E_ARGUMENT   another size or pattern; the reduction is unchanged
  *   errors of dls_model_check    the reduction is unchanged
@@ -174,8 +148,7 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, con
 
 /* Sets the free displacement or velocity x_free (n) = K^-1 f, which you have computed, in place of
  * f: q := H^T x_free + P^T g. dls_reduction_recover then returns x_free + K^-1 H r. g as in
- * dls_reduction_load. No solve, no allocation. DLS_E_UNSUPPORTED if rigid-body modes are held,
- * because K^-1 does not exist. */
+ * dls_reduction_load. No solve, no allocation. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load_free(dls_reduction *reduction,
                                                         const double *x_free, const double *g,
                                                         dls_error *error);
@@ -195,8 +168,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* Certifies the pair (x, r) for the body, with f and g as last loaded, without any spring that
- * holds a mode. Positions and forces as in contact.h, but
+/* Certifies the pair (x, r) for the body, with f and g as last loaded. Positions and forces as in
+ * contact.h, but
  *
  *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
  *   weights                  the compliance of the contact node with its neighbours held, from K
@@ -219,21 +192,6 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, 
 DLS_API DLS_MUST_USE dls_status dls_reduction_states(dls_reduction *reduction, const double *mu,
                                                      const double *r, const double *u,
                                                      dls_contact_state *state, dls_error *error);
-
-/* Moves the feet of the springs that hold k rigid-body modes towards the equilibrium of the free
- * body. The springs s_j = 0.1 K_jj at k unknowns j make K regular and carry the loads that r does
- * not balance:
- *
- *   K x = f + H r - s (x_j - c_j) e_j for each of them,   c = 0 after dls_reduction_load
- *   *imbalance = max over the modes b of |b^T (f + H r)| / |b|^T (|f| + |H||r|)
- *
- * *imbalance (or NULL) is 0 in equilibrium and without modes, 1 if nothing holds the body. Then c
- * changes, and q with it. Repeat: solve, balance, until *imbalance is small; the springs then carry
- * nothing. The first call sets c_j := x_j (proximal point method on the resultants), later ones use
- * Broyden's method, which needs about as many calls as modes while the contacts keep their states.
- * Costs as much as dls_reduction_recover. Errors of dls_reduction_recover. */
-DLS_API DLS_MUST_USE dls_status dls_reduction_balance(dls_reduction *reduction, const double *r,
-                                                      double *imbalance, dls_error *error);
 
 /* Computes the nodal reactions R := P r (d * nodes, local order) of r (m); R = r without P. R and r
  * must not overlap. */

@@ -199,9 +199,9 @@ DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
 
 /* Solves the contact problem of a reduction, with f and g as last loaded, and recovers x. The pair
  * (x, r) is solved if dls_reduction_certify certifies it for the body. If r solves the problem on W
- * but not that of the body (soft supports, rigid-body modes that springs hold), the method auto
- * continues on K itself (global.h), which needs no springs. A reduction on K (settings.on) solves
- * there at once, by method auto alone; a warm start then uses r and the x of the last solve.
+ * but not that of the body (soft supports), the method auto continues on K itself (global.h). A
+ * reduction on K (settings.on) solves there at once, by method auto alone; a warm start then uses r
+ * and the x of the last solve.
  *
  *   mu        as in dls_reduction_contact
  *   settings  NULL for the defaults
@@ -218,6 +218,25 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_solve(dls_reduction *reduction, co
                                                     const dls_solver_settings *settings, double *r,
                                                     double *u, double *x, dls_info *info,
                                                     dls_error *error);
+
+/* Solves the contact problem of a model in one call: chooses W or K by the estimated cost, loads f
+ * and g, solves by method auto, recovers x. For several loads on one K, or for settings, create a
+ * reduction (dls_reduction_create, _load, _solve).
+ *
+ *   f (n)            loads, or NULL for 0
+ *   g (d * nodes)    gaps, or NULL for 0
+ *   mu (candidates)  friction, one for each active contact; NULL: model->mu
+ *   r (m)            out: reactions, m = d * (active contacts)
+ *   u (m)            or NULL: H^T x + g
+ *   x (n)            out: unknowns
+ *   info             or NULL: certificate is that of the body
+ *
+ * Any status >= 0 sets all outputs; the answer is certified if dls_solved(status). Statuses of
+ * dls_reduction_solve. Errors of dls_reduction_create, dls_reduction_load, dls_reduction_solve. */
+DLS_API DLS_MUST_USE dls_status dls_solve_model(const dls_model *model, const double *f,
+                                                const double *g, const double *mu, double *r,
+                                                double *u, double *x, dls_info *info,
+                                                dls_error *error);
 
 /* Judges an answer (x, r) that a host has computed itself: sets info->certificate to that of the
  * body, and info->status, which is returned. A solved status stays if the certificate holds to

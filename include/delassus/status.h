@@ -83,6 +83,11 @@ DLS_API const char *dls_status_name(dls_status status);
 /* Returns a status in words for people, "iteration limit reached" say. Static storage. */
 DLS_API const char *dls_status_text(dls_status status);
 
+/* Returns 1 if an answer is certified: DLS_OK (solved) or DLS_TO_ROUNDING (solved to rounding).
+ * Returns 0 for any other status. With each status >= 0 of a solver r, u and x hold its best
+ * answer. */
+DLS_API int dls_solved(dls_status status);
+
 /* Returns the version of the library that runs, written as DLS_VERSION. Static storage. */
 DLS_API const char *dls_version(void);
 

@@ -60,7 +60,7 @@ static dls_status follow_and_judge(dlsi_auto *work, const step *plan, dls_error 
 /* (AT4) up to 300 rows. Returns as dlsi_auto_follow. */
 static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   dls_status status = dlsi_auto_on_copy(work, follow_and_judge, dlsi_auto_plan_on_copy, error);
-  if ((status != DLS_OK && status != DLS_TO_ROUNDING) || dlsi_auto_verdict_of(work) != DLS_STALLED)
+  if (!dls_solved(status) || dlsi_auto_verdict_of(work) != DLS_STALLED)
     return status == DLS_OK ? dlsi_auto_verdict_of(work) : status;
   /* sums in another order round otherwise */
   status = dlsi_auto_take_step(work, (step){NEWTON, 0, 0}, error);

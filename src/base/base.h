@@ -264,9 +264,6 @@ dls_status dlsi_check_apart(const dls_contact *problem, const double *r, const d
 dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
                             const double *u, int warm_start, dls_error *error);
 
-/* The largest number of rigid-body modes that a model may have. */
-enum { dlsi_most_modes = 24 };
-
 /* Returns the number of contacts of a model, active or not. */
 int dlsi_model_candidates(const dls_model *model);
 

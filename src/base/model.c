@@ -116,23 +116,6 @@ static dls_status model_check_weighting(const dls_model *model, dls_error *error
   return DLS_OK;
 }
 
-/* Checks active, mu and the modes. */
-static dls_status model_check_rest(const dls_model *model, dls_error *error) {
-  const int candidates = dlsi_model_candidates(model);
-  if (model->mu) {
-    const dls_status status = dlsi_check_friction(model->mu, (size_t)candidates, error);
-    if (status) return status;
-  }
-  if (!model->modes.a) return DLS_OK;
-  if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, "modes", -1, model->operator_kind,
-                     "this operator has an inverse");
-  if (model->modes.cols < 1 || model->modes.cols > model->n || model->modes.cols > dlsi_most_modes)
-    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d columns",
-                     model->modes.cols); /* one column is never wrong */
-  return dlsi_check_dense("modes", &model->modes, model->n, model->modes.cols, error);
-}
-
 dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
   const int d = model->d, n = model->n, nodes = model->nodes;
@@ -145,7 +128,8 @@ dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
   if (!status && nodes > 0) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
   if (!status && nodes > 0) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
   if (!status && model->P.p) status = model_check_weighting(model, error);
-  return status ? status : model_check_rest(model, error);
+  if (status || !model->mu) return status;
+  return dlsi_check_friction(model->mu, (size_t)dlsi_model_candidates(model), error);
 }
 
 int dlsi_model_candidates(const dls_model *model) {

@@ -54,6 +54,10 @@ const char *dls_status_text(dls_status status) {
   return w ? w->text : "unknown status";
 }
 
+int dls_solved(dls_status status) {
+  return status == DLS_OK || status == DLS_TO_ROUNDING;
+}
+
 const char *dls_version(void) {
   return DLS_VERSION;
 }

@@ -121,10 +121,12 @@ int problem_open(const char *name, const struct source *wanted, problem *p);
 dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
                             dls_error *error);
 
-/* place.c: reduces p->model to W with the loads f, g, or takes it on K where `from` is for `solve`
- * and allows it. Elsewhere springs hold a body that contact alone holds, about its equilibrium;
- * p->note says so. */
+/* place.c: reduces p->model to W with the loads f, g, or takes it on K if `from` is for `solve` and
+ * allows it. */
 dls_status problem_condense(problem *p, const struct source *from, dls_error *error);
+
+/* Works as dls_reduction_create, on W. */
+dls_status reduce_to_W(dls_reduction **out, const dls_model *model, dls_error *error);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
  * some microseconds take more CPU than the work (docs/threads.md). The library leaves the BLAS of
@@ -303,9 +305,6 @@ int refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
  * Returns its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
 int run_command(int (*run)(int argc, char **argv), char **argv, char *why);
-
-/* Returns 1 for DLS_OK and DLS_TO_ROUNDING. */
-int is_solved(dls_status status);
 
 /* Prints the last line of a command on stdout, in colour on a terminal unless the environment has
  * NO_COLOR: "solved", "solved to rounding: ..", "solved: reactions to about E" where the predicted

@@ -125,7 +125,7 @@ static dls_status solve_and_prove(const dls_contact *contact, double *r, dls_pro
   dls_solver_settings_init(&settings);
   settings.limits.cpu_seconds = 1;
   const dls_status status = dls_solve(contact, &settings, r, NULL, NULL, error);
-  *solved = is_solved(status);
+  *solved = dls_solved(status);
   if (!*solved) return status == DLS_E_MEMORY ? status : DLS_OK;
   return dls_contact_prove(contact, r, proof, r, error);
 }

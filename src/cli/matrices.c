@@ -18,7 +18,7 @@
 /* The arrays that the model and the problem borrow, and CalculiX's numbering. */
 struct matrices {
   sparse Ks, HN, HT, P;
-  double *K, *modes, *f, *g, *q, *mu;
+  double *K, *f, *g, *q, *mu;
   int *node, *direction; /* of each unknown, from 1; or NULL */
 };
 
@@ -30,7 +30,7 @@ const char *matrices_name(const matrix_options *o) {
 
 int matrices_given(const matrix_options *o) {
   return matrices_name(o) || o->H || o->HN || o->HT || o->nodes || o->f || o->q || o->g || o->mu ||
-         o->weights || o->modes || o->dim || o->stabilize;
+         o->weights || o->dim;
 }
 
 void source_usage(FILE *out) {
@@ -56,9 +56,7 @@ void source_usage(FILE *out) {
       "      --dim=D           2 or 3, if the sizes do not determine it; 1: normals alone\n"
       "      --on=W|K          solve on the Delassus matrix W, or on K itself (also for bodies "
       "that\n"
-      "                        contact alone holds); default: the lower estimated cost\n"
-      "      --stabilize       free bodies: solve on K, which is the default for them\n"
-      "      --modes=B         free bodies: n x k, a basis of the rigid-body modes\n",
+      "                        contact alone holds); default: the lower estimated cost\n",
       out);
 }
 
@@ -70,8 +68,7 @@ static int check_matrices(const matrix_options *o) {
     complain("--dim: %d is not 1, 2 or 3", o->dim);
   else if (operators != 1)
     complain("give one of --stiffness, --flexibility and --W");
-  else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize ||
-                    o->on == DLS_ON_K))
+  else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->on == DLS_ON_K))
     complain("--W: goes with --q, --mu and --dim");
   else if (o->W && !o->q)
     complain("--W: needs --q");
@@ -85,10 +82,8 @@ static int check_matrices(const matrix_options *o) {
     complain("--HT: goes with --HN");
   else if (!o->mu && o->dim != 1 && (!o->HN || o->HT))
     complain("give --mu, 0 for no friction");
-  else if (o->flexibility && (o->modes || o->stabilize || o->on == DLS_ON_K))
-    complain("--%s: is for --stiffness", o->modes ? "modes" : o->stabilize ? "stabilize" : "on=K");
-  else if (o->modes && o->stabilize)
-    complain("--modes, --stabilize: one of the two");
+  else if (o->flexibility && o->on == DLS_ON_K)
+    complain("--on=K: is for --stiffness");
   else
     return 1;
   return 0;
@@ -465,14 +460,6 @@ static int load_condensed(const matrix_options *o, problem *p) {
   return 1;
 }
 
-static int load_modes(const char *path, struct matrices *own, dls_model *model) {
-  table t;
-  const int good = table_read(path, &t) && (own->modes = table_by_columns(path, &t)) != NULL;
-  if (good) model->modes = (dls_dense){t.rows, t.cols, t.rows, own->modes};
-  free(t.a);
-  return good;
-}
-
 /* ---- the problem ----------------------------------------------------------------------------- */
 
 int matrices_load(const matrix_options *o, problem *p) {
@@ -493,7 +480,6 @@ int matrices_load(const matrix_options *o, problem *p) {
     if (!sparse_read(o->weights, &own->P)) return 0;
     model->P = own->P.view;
   }
-  if (o->modes && !load_modes(o->modes, own, model)) return 0;
   const int candidates = o->weights ? model->P.cols : model->nodes;
   if (!read_friction(o->mu, candidates, &own->mu) ||
       !read_gaps(o->g, model->d, model->nodes, &own->g) ||
@@ -519,7 +505,6 @@ void matrices_free(struct matrices *own) {
   sparse_free(&own->HT);
   sparse_free(&own->P);
   free(own->K);
-  free(own->modes);
   free(own->f);
   free(own->g);
   free(own->q);

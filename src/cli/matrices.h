@@ -10,8 +10,8 @@ typedef struct matrix_options {
   const char *stiffness, *flexibility, *W;
   const char *H, *HN, *HT, *nodes;
   const char *f, *q, *g, *mu; /* g, mu: a number or a file */
-  const char *weights, *modes;
-  int dim, stabilize;
+  const char *weights;
+  int dim;
   const char *where; /* --on */
   dls_on on;         /* with any method but auto: DLS_ON_W */
 } matrix_options;
@@ -30,7 +30,7 @@ int matrices_load(const matrix_options *options, problem *p);
 typedef struct source {
   matrix_options matrices;
   int step;   /* of a scene in steps; 0: the last with the most contacts that touch */
-  int solves; /* 1: for solve, which takes a problem on K and rigid bodies as they are */
+  int solves; /* 1: for solve, which takes a problem on K */
 } source;
 
 /* The rows of the options; member: the source in the data of a command. */
@@ -45,9 +45,7 @@ typedef struct source {
       ROW(A_TEXT, "g", 0, type, member.matrices.g),                                                \
       ROW(A_TEXT, "mu", 0, type, member.matrices.mu),                                              \
       ROW(A_TEXT, "weights", 0, type, member.matrices.weights),                                    \
-      ROW(A_TEXT, "modes", 0, type, member.matrices.modes),                                        \
       ROW(A_COUNT, "dim", 0, type, member.matrices.dim),                                           \
-      ROW(A_FLAG, "stabilize", 0, type, member.matrices.stabilize),                                \
       ROW(A_TEXT, "on", 0, type, member.matrices.where),                                           \
       ROW(A_COUNT, "step", 0, type, member.step)
 

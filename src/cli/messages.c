@@ -111,10 +111,6 @@ int run_command(int (*run)(int argc, char **argv), char **argv, char *why) {
   return result;
 }
 
-int is_solved(dls_status status) {
-  return status == DLS_OK || status == DLS_TO_ROUNDING;
-}
-
 /* Names the part of the certificate with the largest rounding, and how well it holds. */
 static void rounding_words(const dls_certificate *c, char *text, size_t size) {
   const char *part = "positions";
@@ -139,7 +135,7 @@ void print_ending(dls_status status, const dls_info *info) {
   if (c && status == DLS_NOT_IN_EQUILIBRIUM)
     (void)snprintf(why, sizeof why, "%s: a force of %.3g on body %d is not balanced",
                    dls_status_text(status), c->unbalanced, c->body);
-  print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
+  print_last_line(dls_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
 }
 
 dls_status count_freedom(const dls_contact *contact, const double *r, int *freedom,
@@ -284,7 +280,7 @@ const char *status_word(dls_status status) {
 
 const char *unsolved_words(dls_status status, double residual, char *text, size_t size) {
   text[0] = '\0';
-  if (!is_solved(status))
+  if (!dls_solved(status))
     (void)snprintf(text, size, "not solved: %s, residual %.2e", dls_status_text(status), residual);
   return text;
 }

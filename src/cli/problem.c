@@ -121,8 +121,9 @@ int problem_open(const char *name, const source *wanted, problem *p) {
     status = problem_of_file(name, from, p, &error);
   }
   if (status < 0) (void)complain_of(name, &error);
-  if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
-    (void)complain("without --on=W and with --method=auto, the problem is solved on K");
+  if (status == DLS_E_SINGULAR && p->model.operator_kind != DLS_FLEXIBILITY)
+    (void)complain(from->solves ? "without --on=W and with --method=auto, it is solved on K"
+                                : "needs W; delassus solve takes free bodies, on K");
   if (!status && *p->note) tell("%s: %s\n", quote(AS_SHOWN, p->name).text, p->note);
   return !status;
 }
@@ -200,6 +201,5 @@ void print_reduction(FILE *out, const problem *p) {
           p->reduction_cpu_seconds);
   if (info.condition > 0) fprintf(out, ", condition of K about %.1e", info.condition);
   if (info.indefinite) fputs(", K is indefinite", out);
-  if (info.modes) fprintf(out, ", %d rigid-body mode%s held", info.modes, plural(info.modes));
   fputc('\n', out);
 }

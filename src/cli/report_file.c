@@ -52,7 +52,7 @@ static dls_status solve_rungs(file_budget *b, dls_error *error) {
     if (cpu_seconds() - start > b->limit / 2 || was_interrupted()) continue;
     status = solve_to(b->contact, b->tol[k], solve_share * b->limit, b->answer + (size_t)k * m,
                       b->u, &b->info[k], &b->seconds[k], error);
-    if (!status && is_solved(b->info[k].status)) b->best = k;
+    if (!status && dls_solved(b->info[k].status)) b->best = k;
   }
   return status;
 }
@@ -83,7 +83,7 @@ static dls_status measure_rungs(file_budget *b, dls_error *error) {
   for (int k = FILE_RUNGS - 1; k >= 0 && !status; k--) {
     double *x = b->answer + (size_t)k * m;
     dls_certificate certificate;
-    if (!is_solved(b->info[k].status)) continue;
+    if (!dls_solved(b->info[k].status)) continue;
     if (b->in_u) {
       status = dls_contact_certify(b->contact, x, b->other, &certificate, error);
       memcpy(x, b->other, m * sizeof *x);
@@ -110,7 +110,7 @@ static dls_status leave_friction(file_budget *b, dls_error *error) {
   dls_status status = DLS_OK;
   if (has_friction)
     status = solve_to(&contact, 1e-8, solve_share * b->limit, r, u, &info, &seconds, error);
-  if (!status && has_friction && is_solved(info.status)) {
+  if (!status && has_friction && dls_solved(info.status)) {
     status = dls_contact_certify(&contact, r, u, &certificate, error);
     const double scale = distance(m, b->in_u ? b->contact->q : b->r, NULL);
     b->no_friction = distance(m, b->in_u ? u : r, b->in_u ? b->u : b->r) / (scale > 0 ? scale : 1);

@@ -252,7 +252,7 @@ static dls_status scene_compute(run *a, const scene_options *o, dls_error *error
   a->outcome.scene = o->name;
   a->outcome.weighted = o->weighted;
   a->outcome.as_printed = o->as_printed;
-  dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
+  dls_status status = reduce_to_W(&a->reduction, &a->data.model, error);
   if (!status) status = scene_steps(a, o, error);
   if (status) return status;
 
@@ -260,7 +260,7 @@ static dls_status scene_compute(run *a, const scene_options *o, dls_error *error
   status = dls_reduction_nodal(a->reduction, a->r, a->R, error);
   if (!status) status = dls_contact_states(&a->contact, a->r, a->u, a->state, error);
   a->outcome.freedom = NO_FREEDOM;
-  if (!status && is_solved(a->outcome.info.status))
+  if (!status && dls_solved(a->outcome.info.status))
     status = count_freedom(&a->contact, a->r, &a->outcome.freedom, error);
   if (!status) status = dls_fe_scene_displacement(a->scene, a->x, a->displacement, error);
   if (status) return status;
@@ -478,7 +478,7 @@ static int run_scene(const scene_options *o) {
   char unsolved[UNSOLVED_ROOM], title[UNSOLVED_ROOM + 100];
   const dls_info *info = &a.outcome.info;
   (void)snprintf(
-      title, sizeof title, is_solved(info->status) ? "%.80s" : "%.80s [%s]", o->name,
+      title, sizeof title, dls_solved(info->status) ? "%.80s" : "%.80s [%s]", o->name,
       unsolved_words(info->status, info->certificate.residual, unsolved, sizeof unsolved));
   if (o->save && dls_fclib_write_local(o->save, &a.contact, title, a.r, a.u, &error)) {
     (void)complain_of(o->save, &error);
@@ -486,7 +486,7 @@ static int run_scene(const scene_options *o) {
   }
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
   if (!is_json()) print_ending(a.outcome.info.status, &a.outcome.info);
-  result = is_solved(a.outcome.info.status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  result = dls_solved(a.outcome.info.status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
   goto end;
 failed:
   (void)complain_of(o->name, &error);

@@ -59,7 +59,7 @@ static dls_status solve_equilibrium(const dls_fe_scene_data *d, double tol, doub
   settings.limits.tol = tol;
   settings.limits.cpu_seconds = limit;
   settings.limits.progress = show_progress;
-  dls_status status = dls_reduction_create(reduction, &d->model, error);
+  dls_status status = reduce_to_W(reduction, &d->model, error);
   if (!status) status = dls_reduction_load(*reduction, d->f, d->g, error);
   if (!status) status = dls_reduction_contact(*reduction, d->mu, &contact, error);
   if (status) return status;

@@ -126,7 +126,7 @@ static dls_status recover(problem *p, const double *r, double **x, dls_error *er
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
   settings.form_W = 0;
-  dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
+  dls_status status = dls_reduction_create(&p->reduction, &p->model, &settings, error);
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
   if (status) return status;
   *x = malloc((size_t)p->model.n * sizeof **x);
@@ -193,8 +193,8 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
   unsettled_print(&o->unsettled);
   dls_diagnosis facts;
   dls_error error = {0};
-  const int m = p->contact.d * p->contact.nc, limit = is_solved(o->info.status) ? 0 : hint_rows;
-  if (m == 0 || p->on_K || (is_solved(o->info.status) && r[0] != 0)) return 1;
+  const int m = p->contact.d * p->contact.nc, limit = dls_solved(o->info.status) ? 0 : hint_rows;
+  if (m == 0 || p->on_K || (dls_solved(o->info.status) && r[0] != 0)) return 1;
   if (dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, &error))
     return complain_of(path, &error), 0;
   print_hints("  ", facts.hints);
@@ -252,10 +252,11 @@ static int solve_contact(const char *path, const solve_options *options) {
   o.solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
   if (status < 0) goto failed;
-  o.prove = options->prove && is_solved(status) && !p.on_K;
+  o.prove = options->prove && dls_solved(status) && !p.on_K;
   if (o.prove && prove(&p, &o, r, u, x, &error)) goto failed;
-  o.freedom = !is_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
-  if (is_solved(status) && !p.on_K && count_freedom(&p.contact, r, &o.freedom, &error)) goto failed;
+  o.freedom = !dls_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
+  if (dls_solved(status) && !p.on_K && count_freedom(&p.contact, r, &o.freedom, &error))
+    goto failed;
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
@@ -265,7 +266,7 @@ static int solve_contact(const char *path, const solve_options *options) {
                         .unknowns = p.model.n,
                         .mover = mover};
   verdict_fill(&o.verdict, status, 0);
-  const int wrong = !p.on_K && !is_solved(status) &&
+  const int wrong = !p.on_K && !dls_solved(status) &&
                     o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
   if (p.of_bodies && (options->out || options->print || options->csv) && recover(&p, r, &x, &error))
@@ -274,7 +275,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     print_json(stdout, &o);
   else if (!is_quiet() && !print_outcome(path, &p, &o, options->explain, r, u))
     goto end;
-  if (is_solved(status) && p.matrices) hint_answer(&p, r);
+  if (dls_solved(status) && p.matrices) hint_answer(&p, r);
   char room[UNSOLVED_ROOM];
   const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
   if (options->out && write_solution(options->out, &p, r, u, x, unsolved, &error)) {
@@ -287,7 +288,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     print_proved(&o.proved);
   else if (!is_json())
     print_ending(status, &o.info);
-  result = is_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  result = dls_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
   goto end;
 failed:
   (void)complain_of(path, &error);

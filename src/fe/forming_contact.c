@@ -92,7 +92,7 @@ static dls_status solve_condensed(dls_forming *f, dls_error *error) {
   dls_reduction *reduction;
   dls_contact problem = {0};
   dls_info info = {0};
-  dls_status status = dls_reduction_create(&reduction, &model, error);
+  dls_status status = dls_reduction_create(&reduction, &model, NULL, error);
   if (!status) status = dls_reduction_load(reduction, f->rhs, f->chosen.u, error);
   if (!status) status = dls_reduction_contact(reduction, f->chosen.mu, &problem, error);
   const double reduced = dlsi_forming_seconds();

@@ -75,7 +75,6 @@ static dls_status moving_start(dls_moving *m, dls_error *error) {
   settings.h = s->h;
   settings.theta = s->settings.theta;
   settings.restitution = s->settings.restitution;
-  settings.stabilize = s->ramped && s->settings.law == DLS_MOTION_PATH;
   dls_status status = dls_motion_create(&m->motion, &m->model, &settings, error);
   if (!status) status = dls_motion_start(m->motion, s->x, s->v, 0, error);
   if (status || !s->settings.measure) return status;

@@ -54,6 +54,11 @@ module delassus
       integer(c_int), value :: status
       type(c_ptr) :: text
     end function
+    function dls_solved(status) bind(c) result(solved)
+      import :: c_int
+      integer(c_int), value :: status
+      integer(c_int) :: solved  ! 1 or 0
+    end function
 
     ! ---- contact.h ----
     function dls_contact_check(problem, error) bind(c) result(status)
@@ -107,6 +112,16 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_solve_model(model, f, g, mu, r, u, x, info, error) bind(c) result(status)
+      import :: c_int, c_double, dls_model, dls_info, dls_error
+      type(dls_model), intent(in) :: model
+      real(c_double), intent(in), optional :: f(*), g(*), mu(*)
+      real(c_double), intent(inout) :: r(*), x(*)
+      real(c_double), intent(inout), optional :: u(*)
+      type(dls_info), intent(inout), optional :: info
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
     function dls_solver_create(solver, d, nc, settings, error) bind(c) result(status)
       import :: c_int, c_ptr, dls_solver_settings, dls_error
       type(c_ptr), intent(out) :: solver
@@ -151,14 +166,7 @@ module delassus
       import :: dls_reduction_settings
       type(dls_reduction_settings), intent(inout) :: settings
     end subroutine
-    function dls_reduction_create(reduction, model, error) bind(c) result(status)
-      import :: c_int, c_ptr, dls_model, dls_error
-      type(c_ptr), intent(out) :: reduction
-      type(dls_model), intent(in) :: model
-      type(dls_error), intent(inout), optional :: error
-      integer(c_int) :: status
-    end function
-    function dls_reduction_create_with(reduction, model, settings, error) bind(c) result(status)
+    function dls_reduction_create(reduction, model, settings, error) bind(c) result(status)
       import :: c_int, c_ptr, dls_model, dls_reduction_settings, dls_error
       type(c_ptr), intent(out) :: reduction
       type(dls_model), intent(in) :: model
@@ -232,18 +240,25 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_reduction_states(reduction, mu, r, u, state, error) bind(c) result(status)
+      import :: c_int, c_ptr, c_double, dls_error
+      type(c_ptr), value :: reduction
+      real(c_double), intent(in), optional :: mu(*)
+      real(c_double), intent(in) :: r(*), u(*)
+      integer(c_int), intent(inout) :: state(*)
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+    function dls_reduction_motion(reduction, unknown) bind(c) result(motion)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: reduction
+      integer(c_int), intent(inout), optional :: unknown
+      type(c_ptr) :: motion  ! n, or c_null_ptr
+    end function
     function dls_certificate_verdict(certificate, tol) bind(c) result(status)
       import :: c_int, c_double, dls_certificate
       type(dls_certificate), intent(in) :: certificate
       real(c_double), value :: tol
-      integer(c_int) :: status
-    end function
-    function dls_reduction_balance(reduction, r, imbalance, error) bind(c) result(status)
-      import :: c_int, c_ptr, c_double, dls_error
-      type(c_ptr), value :: reduction
-      real(c_double), intent(in) :: r(*)
-      real(c_double), intent(inout), optional :: imbalance
-      type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
     function dls_reduction_nodal(reduction, r, nodal, error) bind(c) result(status)
@@ -342,12 +357,12 @@ module delassus
   end interface
   public :: dls_version, dls_status_name, dls_status_text, dls_contact_check, dls_contact_certify
   public :: dls_certificate_holds, dls_contact_states, dls_solver_settings_init, dls_method_find
-  public :: dls_solve, dls_solver_create, dls_solver_set_limits, dls_solver_solve
+  public :: dls_solve, dls_solve_model, dls_solved, dls_solver_create, dls_solver_set_limits, dls_solver_solve
   public :: dls_solver_map
   public :: dls_solver_destroy, dls_reduction_settings_init, dls_reduction_create
-  public :: dls_reduction_create_with, dls_reduction_update, dls_reduction_get_info
+  public :: dls_reduction_update, dls_reduction_get_info
   public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
-  public :: dls_reduction_recover, dls_reduction_balance, dls_reduction_nodal
+  public :: dls_reduction_recover, dls_reduction_nodal, dls_reduction_states, dls_reduction_motion
   public :: dls_reduction_certify, dls_reduction_solve, dls_certificate_verdict
   public :: dls_reduction_destroy, dls_weighting_line, dls_weighting_quadratic
   public :: dls_motion_settings_init

@@ -1,13 +1,12 @@
 /*
  * body.c: the answer of the body, not only of W: dls_reduction_solve.
  *
- *   (BY1)  r := the solution on W, x := K^-1 (f + H r)                 not if modes are held
+ *   (BY1)  r := the solution on W, x := K^-1 (f + H r)
  *   (BY2)  the certificate of the pair (x, r) on K decides             dls_reduction_certify
  *   (BY3)  if it does not hold, method auto: the problem on K itself (global/), from (x, r). It
- *          needs no springs, and loses no precision in a W that is large compared with the body:
- *          soft supports, bodies that only contact holds
- *   (BY4)  dls_reduction_create_either: (BY3) at once, and no W, if an estimate finds that cheaper,
- *          K is singular, or W is beyond the limit of memory
+ *          loses no precision in a W that is large compared with the body: soft supports
+ *   (BY4)  dls_reduction_create: (BY3) at once, and no W, if an estimate finds that cheaper, K is
+ *          singular (bodies that only contact holds), or W is beyond the limit of memory
  *
  * Cost: that of dls_solve, a product with K; for (BY3) factors of K + H R H^T, which the reduction
  * keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
@@ -120,7 +119,7 @@ static dls_status create_on(dls_reduction **out, const dls_model *model,
                             const dls_reduction_settings *settings, dls_on on, dls_error *error) {
   dls_reduction_settings s = *settings;
   s.on = on;
-  return dls_reduction_create_with(out, model, &s, error);
+  return dlsi_reduction_create(out, model, &s, error);
 }
 
 /* Refuses a problem on K that needs more than the limit. */
@@ -142,39 +141,43 @@ static dls_status take_W(dls_reduction **out, const dls_model *model,
                          const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction *on_W = NULL;
   dls_error why = {0};
-  const dls_status status = create_on(&on_W, model, settings, DLS_ON_W, &why);
+  dls_status status = create_on(&on_W, model, settings, DLS_ON_W, &why);
   const int limited = status == DLS_E_MEMORY && strcmp(why.argument, "memory_limit") == 0;
-  const int stays = status == DLS_E_SINGULAR || limited;
-  if (stays && (*out || !create_on(out, model, settings, DLS_ON_K, NULL)))
-    return limited ? check_memory_on_K(*out, settings->memory_limit, error) : DLS_OK;
+  if (status == DLS_E_SINGULAR || limited) {
+    dls_error none = {0};
+    const dls_status on_K = *out ? DLS_OK : create_on(out, model, settings, DLS_ON_K, &none);
+    if (!on_K) return limited ? check_memory_on_K(*out, settings->memory_limit, error) : DLS_OK;
+    if (on_K != DLS_E_UNSUPPORTED) { /* that of a flexibility, which has no K */
+      status = on_K;
+      why = none;
+    }
+  }
   if (status < 0 && error) *error = why;
   dls_reduction_destroy(*out);
   *out = on_W;
   return status;
 }
 
-/* Returns 1 for so few contacts that W is taken without checking K. */
-static int is_small(const dls_model *model) {
+/* Returns 1 if W is taken without a look at the costs: for few contacts, or if W is not formed. */
+static int prefers_W(const dls_model *model, const dls_reduction_settings *settings) {
   const int candidates = model->P.p ? model->P.cols : model->nodes;
-  return (double)model->d * candidates <= small_on_W;
+  return !settings->form_W || (double)model->d * candidates <= small_on_W;
 }
 
-static dls_status create_either(dls_reduction **out, const dls_model *model,
-                                const dls_reduction_settings *settings, dls_error *error) {
+static dls_status body_create(dls_reduction **out, const dls_model *model,
+                              const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction_settings defaults;
   dls_reduction_settings_init(&defaults);
   if (!settings) settings = &defaults;
   if (!out || !model || settings->on != DLS_ON_EITHER)
-    return dls_reduction_create_with(out, model, settings, error);
-  const int held = settings->stabilize || model->modes.a;
-  int better = held;
+    return dlsi_reduction_create(out, model, settings, error);
+  int better = 0;
   dls_status status = DLS_OK;
   *out = NULL;
-  if (held || !is_small(model)) {
+  if (!prefers_W(model, settings)) {
     status = create_on(out, model, settings, DLS_ON_K, error);
     if (status == DLS_E_UNSUPPORTED) return create_on(out, model, settings, DLS_ON_W, error);
-    if (status) return status;
-    if (!held) status = foresee(*out, settings->loads, &better, error);
+    if (!status) status = foresee(*out, settings->loads, &better, error);
   }
   if (!status)
     status = better ? check_memory_on_K(*out, settings->memory_limit, error)
@@ -185,10 +188,10 @@ static dls_status create_either(dls_reduction **out, const dls_model *model,
   return status;
 }
 
-dls_status dls_reduction_create_either(dls_reduction **out, const dls_model *model,
-                                       const dls_reduction_settings *settings, dls_error *error) {
+dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
+                                const dls_reduction_settings *settings, dls_error *error) {
   DLSI_DOOR;
-  return dlsi_at(__func__, create_either(out, model, settings, error), error);
+  return dlsi_at(__func__, body_create(out, model, settings, error), error);
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
@@ -339,15 +342,14 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
   const size_t m = (size_t)of.H->d * (size_t)of.H->candidates, n = (size_t)of.K.n;
   if (!r && m > 0) return dlsi_is_null(error, "r");
   if (!x) return dlsi_is_null(error, "x");
-  const int on_K_alone = of.on_K || (facts.modes > 0 && of.has_K && s.method == DLS_AUTO);
   double *answer = dlsi_alloc(2 * m + n, sizeof *answer);
   if (!answer) return dlsi_no_memory(error);
   double *position = answer + m, *unknowns = position + m;
   memset(answer, 0, (2 * m + n) * sizeof *answer);
   if (s.limits.warm_start && m) memcpy(answer, r, m * sizeof *answer);
-  status = on_K_alone ? DLS_STALLED
-                      : solve_on_W(reduction, mu, &s, facts.condition, answer, unknowns, position,
-                                   &outcome, error);
+  status = of.on_K ? DLS_STALLED
+                   : solve_on_W(reduction, mu, &s, facts.condition, answer, unknowns, position,
+                                &outcome, error);
   const int goes_on = (status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM ||
                        status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
                       s.method == DLS_AUTO && !s.plan && of.has_K && m > 0 &&

@@ -188,7 +188,7 @@ static dls_status solver_take_least(dls_solver *solver, const dls_contact *probl
   dls_certificate certificate;
   int done = 0;
   if (info) info->forces = DLS_FORCES_ANY;
-  if (!solver->least || (solved != DLS_OK && solved != DLS_TO_ROUNDING)) return solved;
+  if (!solver->least || !dls_solved(solved)) return solved;
   dls_status status = dlsi_form_blocks(&solver->formed, &problem, error);
   if (!status)
     status = dlsi_least_take(solver->least, problem, &solver->settings.limits, begun, solved, r, u,
@@ -228,8 +228,8 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   if (!solver->method->takes_bodies) status = dlsi_form_blocks(&solver->formed, &problem, error);
   if (!status) status = solver->method->solve(solver->work, problem, r, u, info, error);
   status = solver_take_least(solver, problem, begun, status, r, u, info, error);
-  if (info && (status == DLS_OK || status == DLS_TO_ROUNDING))
-    solver_predict(solver, problem, r, info);
+  solver->status = status;
+  if (info && dls_solved(status)) solver_predict(solver, problem, r, info);
   if (status >= 0 && info && limits->progress) solver_tell_last(limits, begun, info, r);
   return status;
 }

@@ -39,8 +39,7 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
                               {"theta", path ? 1 : s->theta, 0.5, 1, 0},
                               {"restitution", s->restitution, 0, 1, 0},
                               {"activation", s->activation, 0, DBL_MAX, 0},
-                              {"forecast", s->forecast, 0, 1, 0},
-                              {"stabilize", s->stabilize, 0, 1, 0}};
+                              {"forecast", s->forecast, 0, 1, 0}};
   dls_status status =
       dlsi_check_settings(&s->limits, s->size, sizeof *s, sizeof own / sizeof own[0], own, error);
   if (!status) status = motion_check_h(s->h, error);
@@ -52,10 +51,6 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
   if (s->law != DLS_MOTION_VELOCITY && s->restitution > 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, "restitution", -1, s->restitution,
                      "is %g, but only the velocity form has impacts", s->restitution);
-  if (!path && s->stabilize)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "stabilize", -1, 1, "is for a path: mass holds bodies");
-  if (s->stabilize && s->method != DLS_AUTO)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "stabilize", -1, 1, "needs method auto, which takes K");
   return DLS_OK;
 }
 
@@ -175,14 +170,13 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dlsi_motion_form(motion, motion->settings.h);
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
-  settings.stabilize = motion->settings.stabilize;
   settings.loads = expected_steps;
   const int either = motion->settings.law == DLS_MOTION_PATH && motion->settings.method == DLS_AUTO;
   settings.on = either ? DLS_ON_EITHER : DLS_ON_W;
   const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
   status = motion_find_joints(&model, &settings.allow_indefinite, error);
   if (status) return status;
-  status = dls_reduction_create_either(&motion->reduction, &model, &settings, error);
+  status = dls_reduction_create(&motion->reduction, &model, &settings, error);
   if (status) return motion_name(status, motion->model.M.p ? "M" : "K", error);
   dls_reduction_info info;
   status = dls_reduction_get_info(motion->reduction, &info, error);

@@ -66,7 +66,6 @@ static const char *const arguments[] = {"out",
                                         "limits.cpu_seconds",
                                         "limits.blocks",
                                         "limits.warm_start",
-                                        "stabilize",
                                         "form_W"};
 
 static const char *agree_argument(const char *name) {

@@ -260,10 +260,6 @@ static void print_ranks(const dls_mpi_info *mine, dlsi_mpi_clock solve) {
   free(other);
 }
 
-static int is_solved(dls_status status) {
-  return status == DLS_OK || status == DLS_TO_ROUNDING;
-}
-
 /* Names the part with the largest rounding, as `delassus solve` does. */
 static void rounding_words(const dls_certificate *c, char *text, size_t size) {
   const char *limited = "positions";
@@ -284,7 +280,7 @@ static void print_ending(dls_status status, const dls_certificate *c) {
   } else if (status == DLS_NOT_IN_EQUILIBRIUM)
     printf("not solved: %s: a force of %.3g on body %d is not balanced\n", dls_status_text(status),
            c->unbalanced, c->body);
-  else if (is_solved(status))
+  else if (dls_solved(status))
     printf("solved\n");
   else
     printf("not solved: %s\n", dls_status_text(status));
@@ -362,7 +358,7 @@ static dls_status solve_by_K(part *s, const choice *o, int warm, dls_info *info,
 static dls_status solve_part(part *s, const choice *o, dls_info *info, dls_error *error) {
   dls_status status =
       o->on == 'K' ? solve_by_K(s, o, 0, info, error) : solve_by_W(s, o, info, error);
-  if (!o->on && status > 0 && !is_solved(status)) status = solve_by_K(s, o, 1, info, error);
+  if (!o->on && status > 0 && !dls_solved(status)) status = solve_by_K(s, o, 1, info, error);
   if (status >= 0 && rank == 0) print_ending(status, &info->certificate);
   return status;
 }
@@ -388,7 +384,7 @@ static int command_solve(char *const *path, int files, const choice *o) {
     (void)fprintf(stderr, "delassus-mpi: %s: %s\n", path[0], error.message);
   free(mine.ints);
   free(mine.doubles);
-  return status < 0 ? BAD_INPUT : is_solved(status) ? SOLVED : NOT_SOLVED;
+  return status < 0 ? BAD_INPUT : dls_solved(status) ? SOLVED : NOT_SOLVED;
 }
 
 static int complain(const char *text) {

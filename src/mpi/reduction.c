@@ -32,7 +32,6 @@ static dls_status settings_check(const dls_reduction_settings *s, dls_error *err
   if (!(s->memory_limit >= 0 && s->memory_limit <= DBL_MAX))
     return dlsi_fail(error, DLS_E_ARGUMENT, "memory_limit", -1, s->memory_limit,
                      "is %g, must be finite and at least 0", s->memory_limit);
-  if (s->stabilize) return dlsi_fail(error, DLS_E_UNSUPPORTED, "stabilize", -1, 1, "on one rank");
   if (!s->form_W) return dlsi_fail(error, DLS_E_UNSUPPORTED, "form_W", -1, 0, "on one rank");
   return DLS_OK;
 }

@@ -347,7 +347,7 @@ static dls_status solve_body(shared_solve *solve, dls_info *info, dls_error *err
     const dls_info before = *info;
     status = solve_on_W(solve, info, error);
     if (status < 0) break;
-    const int certified = status == DLS_OK || status == DLS_TO_ROUNDING;
+    const int certified = dls_solved(status);
     status = solve_judge(solve, asked.tol, info, error);
     if (status < 0) break;
     info->iterations += before.iterations;

@@ -139,7 +139,7 @@ END_TEST
 /* Sizes at their limits. */
 START_TEST(limits_of_sizes) {
   const double K[ld * n] = {[0] = 1, [ld + 1] = 1, [2 * ld + 2] = 1};
-  const double ones[dlsi_most_modes + 2] = {1};
+  const double ones[1] = {1};
   dls_model model = dense(K, DLS_CHOLESKY), one;
   const int none[3] = {0, 0, 0};
   model.nodes = 1;
@@ -154,33 +154,8 @@ START_TEST(limits_of_sizes) {
   model_refuses(&model, DLS_E_SIZE, "nodes", -1, INT_MAX / 3 + 1, "is 715827883");
   model.nodes = INT_MAX / 3; /* as many as there can be: H is at fault */
   model_refuses(&model, DLS_E_SIZE, "HN", -1, 3, "must be 3 x 715827882");
-  model.nodes = 0;
-  model.modes = (dls_dense){n, 3, n, ones};
-  model_accepts(&model);
-  model.modes.cols = 4;
-  model_refuses(&model, DLS_E_SIZE, "modes", -1, 4, "has 4 columns");
-  model.modes.cols = 0;
-  model_refuses(&model, DLS_E_SIZE, "modes", -1, 0, "has 0 columns");
   one = (dls_model){.d = 2, .n = 1, .operator_kind = DLS_FLEXIBILITY, .K = {1, 1, 1, ones}};
   model_accepts(&one);
-  one.modes = (dls_dense){1, 1, 1, ones};
-  model_refuses(&one, DLS_E_UNSUPPORTED, "modes", -1, DLS_FLEXIBILITY, "has an inverse");
-}
-END_TEST
-
-/* As many modes as are held, in a model large enough; one more is refused. */
-START_TEST(limit_of_modes) {
-  enum { many = dlsi_most_modes + 2 };
-  static const double K[many * many], modes[many * many];
-  dls_model model = {.d = 2,
-                     .n = many,
-                     .operator_kind = DLS_STIFFNESS_DENSE,
-                     .factorization = DLS_LDLT,
-                     .K = {many, many, many, K},
-                     .modes = {many, dlsi_most_modes, many, modes}};
-  model_accepts(&model);
-  model.modes.cols++;
-  model_refuses(&model, DLS_E_SIZE, "modes", -1, dlsi_most_modes + 1, "columns");
 }
 END_TEST
 
@@ -213,5 +188,5 @@ END_TEST
 int main(void) {
   return RUN("model", NULL, NULL, ONCE(entries_that_are_read), ONCE(triangles_for_lu),
              ONCE(triangles_for_cholesky), ONCE(triangles_from_the_first_entry),
-             ONCE(limits_of_sizes), ONCE(limit_of_modes), ONCE(weightings));
+             ONCE(limits_of_sizes), ONCE(weightings));
 }

@@ -340,11 +340,14 @@ START_TEST(steps_and_matrices_are_problems) {
   for (int k = 0; k < 5; k++)
     for (int i = 0; i < 4; i++) {
       (void)snprintf(arguments, sizeof arguments, calls[i], names[k], k);
+      if (i > 0 && k == 1) { /* the upper block has no support */
+        ck_assert_msg(run(arguments) == 2, "%s: %s", arguments, output);
+        ck_assert_msg(shows("delassus solve takes free bodies, on K"), "%s", output);
+        continue;
+      }
       ck_assert_msg(run(arguments) == 0, "%s: %s", arguments, output);
       ck_assert_msg(shows(notes[k]), "%s: %s", arguments, output);
     }
-  ck_assert_int_eq(run("info two-blocks"), 0); /* the upper one has no support */
-  ck_assert(shows("3 rigid-body modes held by springs that carry nothing at this load"));
   ck_assert_int_eq(run("map indentation --step 50 --rows 2 --mu 0.1:0.2 -o @/m"), 0);
   ck_assert_int_ge(count_of(contents("m/map.csv"), ",auto,solved,"), 2);
 }

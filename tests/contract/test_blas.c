@@ -16,6 +16,7 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "doors.h"
+#include "reduced.h"
 #include "run.h"
 
 /* Is in OpenBLAS alone; with another BLAS the threads are those of its own variables. */
@@ -187,7 +188,7 @@ static size_t reduce(dls_operator kind, dls_factorization factorization, double 
                           .HT = {cells, sheet / 2, Hp, Ti, ones}};
   dls_reduction *reduction = NULL;
   dls_contact problem;
-  ck_assert_int_eq(dls_reduction_create(&reduction, &body, NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&reduction, &body, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(reduction, f, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(reduction, ones, &problem, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_recover(reduction, r, back, NULL), DLS_OK);

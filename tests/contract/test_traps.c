@@ -19,6 +19,7 @@
 #include "doors.h"
 #include "failures.h"
 #include "fclib_file.h"
+#include "reduced.h"
 #include "run.h"
 #include "solids.h"
 
@@ -203,7 +204,7 @@ START_TEST(every_file) {
   ck_assert_int_eq(dls_fclib_model(file, &K, &f, &g, &mu, NULL), DLS_OK);
   double *x = calloc((size_t)K.n, sizeof *x), *r = calloc((size_t)K.n + capacity, sizeof *r);
   set_host();
-  dls_status status = dls_reduction_create(&reduction, &K, NULL);
+  dls_status status = reduce_on_W(&reduction, &K, NULL, NULL);
   if (!status) status = dls_reduction_load(reduction, f, g, NULL);
   if (!status) status = dls_reduction_contact(reduction, mu, &p, NULL);
   if (!status) status = dls_reduction_recover(reduction, r, x, NULL);
@@ -322,7 +323,7 @@ START_TEST(solver_finds_the_host) {
                        .HT = {2, 1, column, tangent, one}};
   dls_reduction *R = NULL;
   set_host();
-  dls_status status = dls_reduction_create(&R, &m, NULL);
+  dls_status status = reduce_on_W(&R, &m, NULL, NULL);
   if (!status) status = dls_reduction_load(R, f, NULL, NULL);
   if (!status) status = dls_reduction_recover(R, r, x, NULL);
   expect_host("host solver");

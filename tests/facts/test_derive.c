@@ -23,6 +23,7 @@
 #include "errors.h"
 #include "fclib_file.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 
 static const double tol = 1e-7; /* of a derivative against differences */
@@ -310,7 +311,7 @@ static double judge_file(const dls_fclib *file, int *nc, dls_error *why) {
   dls_status status = DLS_OK;
   if (dls_fclib_is_global(file)) {
     status = dls_fclib_model(file, &body, &f, &g, &mu, why);
-    if (!status) status = dls_reduction_create(&R, &body, why);
+    if (!status) status = reduce_on_W(&R, &body, NULL, why);
     if (!status) status = dls_reduction_load(R, f, g, why);
     if (!status) status = dls_reduction_contact(R, mu, &p, why);
   } else

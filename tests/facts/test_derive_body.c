@@ -15,6 +15,7 @@
 #include "differences.h"
 #include "errors.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 #include "solids.h"
 
@@ -90,7 +91,7 @@ static int body_answer(void *of, double h, double *out, dls_contact_state *state
   dls_reduction_settings on;
   dls_reduction_settings_init(&on);
   on.on = v->on;
-  ck_assert_msg(!dls_reduction_create_with(&R, &body, &on, &e), "%s", e.message);
+  ck_assert_msg(!dls_reduction_create(&R, &body, &on, &e), "%s", e.message);
   ck_assert_int_eq(dls_reduction_load(R, f, g, NULL), DLS_OK);
   dls_solver_settings s;
   dls_solver_settings_init(&s);
@@ -125,7 +126,7 @@ static double judge_body(moved_body *v, dls_error *why) {
   dls_reduction_settings on;
   dls_reduction_settings_init(&on);
   on.on = v->on;
-  ck_assert_int_eq(dls_reduction_create_with(&R, &v->model, &on, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&R, &v->model, &on, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, v->f, v->g, NULL), DLS_OK);
   const double length = norm_of(at + 2 * m, (int)n) / sqrt((double)n);
   for (size_t k = 0; k < v->nodes; k++)
@@ -188,35 +189,6 @@ START_TEST(block_of_jean) {
 }
 END_TEST
 
-/* Asserts that a reduction to W whose modes springs hold has the derivatives of the one on K. */
-static void expect_springs_apart(const moved_body *v) {
-  double *at = numbers(2 * v->m + v->n), *f[2] = {garbage(v->n), garbage(v->n)};
-  dls_contact_state *state = malloc((size_t)v->nc * sizeof *state);
-  dls_reduction_settings s;
-  dls_reduction_settings_init(&s);
-  s.stabilize = 1;
-  ck_assert(body_answer((void *)v, 0, at, state));
-  for (int k = 0; k < 2; k++) {
-    dls_reduction *R;
-    dls_derive *derive;
-    s.on = k ? DLS_ON_K : DLS_ON_W;
-    ck_assert_int_eq(dls_reduction_create_with(&R, &v->model, &s, NULL), DLS_OK);
-    ck_assert_int_eq(dls_reduction_load(R, v->f, v->g, NULL), DLS_OK);
-    ck_assert_int_eq(dls_derive_create_body(&derive, R, v->mu, at, at + 2 * v->m, -1, NULL),
-                     DLS_OK);
-    ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.x = at + 2 * v->m},
-                                    &(dls_derive_data){.f = f[k]}, NULL),
-                     DLS_OK);
-    dls_derive_destroy(derive);
-    dls_reduction_destroy(R);
-  }
-  ck_assert_double_le(apart(f[0], f[1], v->n, 0), 1e-12);
-  free(at);
-  free(f[0]);
-  free(f[1]);
-  free(state);
-}
-
 /* Free blocks on the ground, K singular; in 2D and 3D. */
 START_TEST(free_blocks) {
   solids S;
@@ -231,7 +203,6 @@ START_TEST(free_blocks) {
   memset(v.dK, 0, v.values * sizeof *v.dK); /* rigid motions stay those of K */
   const double worst = judge_body(&v, &why);
   ck_assert_msg(worst <= tol, "%g", worst);
-  if (worst >= 0) expect_springs_apart(&v);
   free(mu);
   body_free(&v);
   solids_free(&S);
@@ -325,7 +296,7 @@ static double loss_of(double E, double nu, int weighted, double *of_E, double *o
   dls_fe_scene_get(scene, &data);
   const size_t n = (size_t)data.model.n, all = 2 * (size_t)data.mesh->nodes;
   double *x = numbers(n), *b = numbers(n), *on_mesh = numbers(2 * all), loss = 0;
-  ck_assert_int_eq(dls_reduction_create(&R, &data.model, NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&R, &data.model, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, data.f, data.g, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(R, data.mu, &p, NULL), DLS_OK);
   double *r = numbers(2 * (size_t)p.nc);
@@ -391,7 +362,7 @@ START_TEST(bad_bodies) {
   body.HT = (dls_sparse){2, 1, p, along, one};
   body.operator_kind = DLS_FLEXIBILITY;
   body.K.a = F;
-  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, load, NULL, NULL), DLS_OK);
   expect_error(dls_derive_create_body(&derive, R, mu, r, x, -1, &e), &e, DLS_E_UNSUPPORTED, name,
                "reduction", -1);
@@ -399,7 +370,7 @@ START_TEST(bad_bodies) {
   body.K.a = K;
   body.operator_kind = DLS_STIFFNESS_DENSE;
   body.factorization = DLS_CHOLESKY;
-  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, load, NULL, NULL), DLS_OK);
   expect_error(dls_derive_create_body(&derive, R, NULL, r, x, -1, &e), &e, DLS_E_ARGUMENT, name,
                "mu", -1);

@@ -11,6 +11,7 @@
 #include "failures.h"
 #include "front_cases.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 
 enum { room = 64, most_m = 2 * DLS_STATES_MAX };
@@ -448,7 +449,7 @@ START_TEST(fold_of_the_jean_block) {
   static double q[200], r[200], other[200], mu[100];
   ck_assert_int_eq(dls_fe_scene_create(&scene, "jean-fig3", 0, NULL), DLS_OK);
   dls_fe_scene_get(scene, &data);
-  ck_assert_int_eq(dls_reduction_create(&reduction, &data.model, NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&reduction, &data.model, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(reduction, data.f, data.g, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(reduction, data.mu, &p, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, q, r, other, NULL), DLS_OK);

@@ -15,6 +15,7 @@
 
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "reduced.h"
 #include "run.h"
 
 enum { nc = 16, m = 2 * nc, line = 17, n = 296, mesh_n = 306 };
@@ -75,7 +76,7 @@ static answer *solve_case(const dls_fe_scene *scene, dls_method method, double t
   dls_reduction *reduction;
   dls_contact problem;
   ck_assert(data.model.n == n && data.candidates == nc);
-  ok(dls_reduction_create(&reduction, &data.model, &error));
+  ok(reduce_on_W(&reduction, &data.model, NULL, &error));
   ok(dls_reduction_load(reduction, data.f, data.g, &error));
   ok(dls_reduction_contact(reduction, data.mu, &problem, &error));
   ck_assert(problem.nc == nc && problem.d == 2);

@@ -12,6 +12,7 @@
 #include "files/fclib_joints.h"
 #include "linkage.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 
 #if WITH_HDF5
@@ -48,7 +49,7 @@ static dls_status write_hanging(const dls_model *model, const double *x, const d
 static void hang(const dls_model *model, const double *f, double *r, double *x) {
   dls_reduction *reduction;
   dls_info info;
-  ck_assert(!dls_reduction_create(&reduction, model, NULL));
+  ck_assert(!reduce_on_W(&reduction, model, NULL, NULL));
   ck_assert(!dls_reduction_load(reduction, f, w, NULL));
   ck_assert(!dls_reduction_solve(reduction, mu, NULL, r, NULL, x, &info, NULL));
   dls_reduction_destroy(reduction);

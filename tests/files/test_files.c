@@ -22,6 +22,7 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 
 static char scratch[] = "/tmp/delassus-files-XXXXXX"; /* a directory, made in main */
@@ -530,7 +531,7 @@ START_TEST(bodies_of_data) {
     dls_reduction *reduction;
     ck_assert(p.d == 2 && p.nc == 69 && p.bodies.n == 3 && p.bodies.count == 300);
     ck_assert_int_eq(dls_fclib_model(file, &model, &f, &g, &mu, NULL), DLS_OK);
-    ck_assert_int_eq(dls_reduction_create(&reduction, &model, NULL), DLS_OK);
+    ck_assert_int_eq(reduce_on_W(&reduction, &model, NULL, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_load(reduction, f, g, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_contact(reduction, mu, &reduced, NULL), DLS_OK);
     double r[138], u[2][138], size = 0;
@@ -815,7 +816,7 @@ START_TEST(no_candidates_round_trip) {
     ck_assert_int_eq(dls_fclib_model(file, &read, &load, &g, &mu, NULL), DLS_OK);
     ck_assert(read.n == n && read.nodes == 0);
     dls_reduction *R;
-    ck_assert_int_eq(dls_reduction_create(&R, &read, NULL), DLS_OK);
+    ck_assert_int_eq(reduce_on_W(&R, &read, NULL, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_load(R, load, g, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_recover(R, NULL, x, NULL), DLS_OK);
     ck_assert(x[0] == 2 && x[n - 1] == 2);

@@ -79,7 +79,7 @@ static dls_status rigid_solve(const rigid *R, double mass, double mu, double *r,
                            .HT = {n, nc, p, i, T}};
   dls_reduction *reduction;
   dls_error e;
-  dls_status status = dls_reduction_create_either(&reduction, &model, NULL, &e);
+  dls_status status = dls_reduction_create(&reduction, &model, NULL, &e);
   if (!status) status = dls_reduction_load(reduction, R->f, NULL, &e);
   ck_assert_msg(status == DLS_OK, "%s", e.message);
   status = dls_reduction_solve(reduction, friction, NULL, r, NULL, x, info, &e);

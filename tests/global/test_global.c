@@ -11,6 +11,7 @@
 #include "delassus/reduction.h"
 #include "errors.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 #include "solids.h"
 #include "stiffness.h"
@@ -507,7 +508,7 @@ START_TEST(agrees_with_W) {
     solids_pad(&T, 40, 2);
   answer A = answer_of(&T.model, T.f, T.g, .3, 1e-10);
   ck_assert_int_eq(A.status, DLS_OK);
-  ck_assert(!dls_reduction_create(&R, &T.model, NULL));
+  ck_assert(!reduce_on_W(&R, &T.model, NULL, NULL));
   ck_assert(!dls_reduction_load(R, T.f, T.g, NULL));
   ck_assert(!dls_reduction_contact(R, A.mu, &problem, NULL));
   dls_admm_settings s;
@@ -597,7 +598,7 @@ START_TEST(weighted) {
   dls_reduction *R;
   dls_contact problem;
   dls_certificate found;
-  ck_assert(!dls_reduction_create(&R, &T.model, NULL));
+  ck_assert(!reduce_on_W(&R, &T.model, NULL, NULL));
   ck_assert(!dls_reduction_load(R, T.f, g, NULL));
   ck_assert(!dls_reduction_contact(R, NULL, &problem, NULL));
   ck_assert(!dls_contact_certify(&problem, r, NULL, &found, NULL));

@@ -12,6 +12,7 @@
 #include "errors.h"
 #include "linkage.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 #include "solids.h"
 
@@ -51,7 +52,7 @@ static dls_status answer(const dls_model *model, int door, double friction, doub
     dls_solver_settings settings;
     dls_solver_settings_init(&settings);
     settings.limits.tol = tol;
-    ck_assert_msg(!dls_reduction_create(&reduction, model, &e), "%s", e.message);
+    ck_assert_msg(!reduce_on_W(&reduction, model, NULL, &e), "%s", e.message);
     ck_assert(!dls_reduction_get_info(reduction, &facts, &e));
     ck_assert_msg(!dls_reduction_load(reduction, L.f, NULL, &e), "%s", e.message);
     status = dls_reduction_solve(reduction, mu, &settings, r, NULL, x, &info, &e);
@@ -326,10 +327,10 @@ START_TEST(tied_halves) {
   make_whole(&whole);
   make_halves(&halves, times);
   memcpy(f, halves.f, 2 * plates * sizeof *f);
-  ck_assert_msg(!dls_reduction_create(&A, &whole.model, &e), "%s", e.message);
+  ck_assert_msg(!reduce_on_W(&A, &whole.model, NULL, &e), "%s", e.message);
   ck_assert(!dls_reduction_load(A, whole.f, whole.g, NULL));
   ck_assert(!dls_reduction_solve(A, mu, NULL, r, NULL, y, &info, NULL));
-  const dls_status status = dls_reduction_create(&B, &halves.model, &e);
+  const dls_status status = reduce_on_W(&B, &halves.model, NULL, &e);
   ck_assert_msg(!status || (!WITH_MUMPS && status == DLS_E_UNSUPPORTED), "%s", e.message);
   if (!status) {
     ck_assert(!dls_reduction_contact(A, mu, &P, NULL) && !dls_reduction_contact(B, mu, &Q, NULL));
@@ -433,29 +434,6 @@ START_TEST(prescribed) {
 }
 END_TEST
 
-/* Finds the rigid motions of a mechanism without stiffness, and no forces of redundant joints: two
- * bars of three hang on pins, each given three times, and are hinged together; a bar apart has
- * mass. */
-START_TEST(modes) {
-  const double pin[2] = {-.5, 0}, end[2] = {.5, 0};
-  double basis[3 * linkage_most];
-  int count, unknown[3];
-  linkage_new(&L, 2);
-  for (int k = 0; k < 4; k++)
-    (void)linkage_body(&L, 1, 1. / 12, 0);
-  for (int k = 0; k < 6; k++)
-    linkage_pin(&L, k % 2, k % 2 ? end : pin, k % 2 ? 2 : -1, pin);
-  for (int k = 0; k < L.K.count; k++)
-    if (L.K.row[k] == L.K.col[k] && L.K.row[k] < 9) L.K.x[k] = 0;
-  const dls_model *model = linkage_model(&L, DLS_LDLT, _i);
-  ck_assert(!dls_model_modes(model, 3, basis, unknown, &count, NULL));
-  ck_assert_int_eq(count, 5); /* of 9 motions the pins take 4 */
-  for (int c = 0; c < 3; c++)
-    for (int j = 12; j < L.n; j++)
-      ck_assert(fabs(basis[j + c * L.n]) <= 1e-12);
-}
-END_TEST
-
 /* ---- the certificate ------------------------------------------------------------------------- */
 
 /* Measures (x, r) as changed by the caller. */
@@ -480,7 +458,7 @@ START_TEST(wrong_pairs) {
   const dls_model *model = linkage_model(&L, DLS_LDLT, _i / 3);
   const double mu[100] = {.8, .8};
   dls_reduction *reduction;
-  ck_assert(!dls_reduction_create(&reduction, model, NULL));
+  ck_assert(!reduce_on_W(&reduction, model, NULL, NULL));
   ck_assert(!dls_reduction_load(reduction, L.f, NULL, NULL));
   ck_assert(dls_reduction_solve(reduction, mu, NULL, r, NULL, x, &info, NULL) >= 0);
   dls_certificate c = certify(reduction);
@@ -525,7 +503,7 @@ START_TEST(updated) {
     const dls_model *model = linkage_model(&L, DLS_LDLT, _i);
     dls_error e = {0};
     if (k == 0) {
-      ck_assert_msg(!dls_reduction_create(&reduction, model, &e), "%s", e.message);
+      ck_assert_msg(!reduce_on_W(&reduction, model, NULL, &e), "%s", e.message);
       ck_assert_msg(!dls_global_create(&global, model, &e), "%s", e.message);
     } else {
       ck_assert_msg(!dls_reduction_update(reduction, model, &e), "%s", e.message);
@@ -557,7 +535,7 @@ START_TEST(failing_mallocs) {
   for (long k = 1; status == DLS_E_MEMORY; k++) {
     dls_reduction *reduction;
     malloc_fails_at(k);
-    status = dls_reduction_create(&reduction, model, NULL);
+    status = reduce_on_W(&reduction, model, NULL, NULL);
     malloc_fails_at(0);
     ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !reduction));
     dls_reduction_destroy(reduction);
@@ -580,6 +558,5 @@ int main(void) {
              EACH(slipping_feet, 0, runs), EACH(slider_crank_holds, 0, 2 * runs),
              EACH(four_bar_stands, 0, 3 * runs), EACH(chains, 0, 4 * runs), EACH(massless, 0, 12),
              EACH(tied_halves, 0, 2), EACH(proofs, 0, 4), EACH(prescribed, 0, runs),
-             EACH(modes, 0, 2), EACH(wrong_pairs, 0, 6), EACH(updated, 0, 2),
-             EACH(failing_mallocs, 0, 4));
+             EACH(wrong_pairs, 0, 6), EACH(updated, 0, 2), EACH(failing_mallocs, 0, 4));
 }

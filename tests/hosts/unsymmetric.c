@@ -39,7 +39,7 @@ int unsymmetric_wrong(void) {
                            .HT = {n, nc, each, tangent, one}};
   dls_reduction *reduction;
   dls_error error = {0};
-  dls_status status = dls_reduction_create(&reduction, &model, &error);
+  dls_status status = dls_reduction_create(&reduction, &model, NULL, &error);
   if (!status) status = dls_reduction_load(reduction, f, NULL, &error);
   if (!status) status = dls_reduction_solve(reduction, mu, NULL, r, NULL, x, NULL, &error);
   dls_reduction_destroy(reduction);

@@ -110,21 +110,21 @@ static void calls_back() {
 static void reduces() {
   const double K[] = {3, 1, 1, 2};
   const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}};
-  dls_model model = {};
-  model.d = model.n = 2;
-  model.nodes = 1;
-  model.operator_kind = DLS_STIFFNESS_DENSE;
-  model.factorization = DLS_CHOLESKY;
-  model.K = {2, 2, 2, K};
-  model.HN = HN.view();
-  model.HT = HT.view();
+  dls_model model = delassus::model(2, {2, 2, 2, K}, HN, HT);
   delassus::reduction R(model);
   R.load({5, -10});
   const std::vector<double> friction = {0.2};
   const delassus::answer a = delassus::solve(R.contact(friction));
   EXPECT(near(a.r[0], 10.9375) && near(a.r[1], -2.1875)); /* docs/tour.md */
   EXPECT(near(R.recover(a.r)[0], 0.9375));
-  EXPECT(R.nodal(a.r) == a.r && R.balance(a.r) == 0 && R.info().W_bytes > 0);
+  EXPECT(R.nodal(a.r) == a.r && R.info().W_bytes > 0);
+  EXPECT(near(R.solve(friction).x[0], 0.9375) && R.motion().empty());
+  EXPECT(R.states(friction, a).at(0) == DLS_SLIP);
+  EXPECT(R.certify(friction, a.r, R.recover(a.r)).residual <= 1e-8);
+  EXPECT(refusal([&] { (void)R.certify(friction, a.r, {1}); }) == "DLS_E_SIZE x");
+  EXPECT(refusal([&] { (void)delassus::solve_model(model, {1}, {}, friction); }) == "DLS_E_SIZE f");
+  EXPECT(refusal([&] { (void)delassus::solve_model(model, {}, {1}, friction); }) == "DLS_E_SIZE g");
+  EXPECT(refusal([&] { (void)delassus::solve_model(model, {}, {}, {1, 2}); }) == "DLS_E_SIZE mu");
   R.load_free({4, -7});
   EXPECT(near(R.contact(friction).q[0], -7));
   EXPECT(refusal([&] { R.load({1}); }) == "DLS_E_SIZE f");
@@ -133,6 +133,49 @@ static void reduces() {
   EXPECT(refusal([&] { (void)R.contact({1, 2}); }) == "DLS_E_SIZE mu");
   model.n = 0;
   EXPECT(refusal([&] { delassus::reduction none(model); }) != "");
+}
+
+/* The point once more, its K sparse, from entries in any order; the columns of H dense. */
+static void gathers() {
+  delassus::entries K(2);
+  delassus::sparse HN, HT;
+  const double x[] = {1, 0}, y[] = {0, 1};
+  HN.rows = HT.rows = 2;
+  HN.append(y);
+  HT.append(x);
+  K.add(1, 1, 1.5);
+  K.add(0, 1, 1);
+  K.add(0, 0, 3);
+  K.add(1, 0, 1);
+  K.add(1, 1, 0.5);
+  const delassus::sparse Ks = K.columns(2);
+  EXPECT((Ks.p == std::vector<int>{0, 2, 5} && HN.i == std::vector<int>{1} && HN.cols == 1));
+  const delassus::answer a =
+      delassus::solve_model(delassus::model(2, Ks, HN, HT), {5, -10}, {}, {0.2});
+  EXPECT(a.solved() && near(a.r[0], 10.9375) && near(a.x[0], 0.9375) && near(a.u[1], 0.9375));
+  EXPECT(refusal([&] { K.add(2, 0, 1); }) == "DLS_E_ARGUMENT row");
+  EXPECT(refusal([&] { (void)K.columns(1); }) == "DLS_E_ARGUMENT cols");
+}
+
+/* A spring that nothing holds: pressed on the stop; pulled off it, the motion (1, 1) proves it. */
+static void flies() {
+  const double K[] = {5, -5, -5, 5};
+  const delassus::sparse HN{2, 1, {0, 1}, {0}, {1}}, HT{2, 1, {0, 0}, {}, {}};
+  const dls_model model = delassus::model(2, {2, 2, 2, K}, HN, HT);
+  for (const dls_on on : {DLS_ON_EITHER, DLS_ON_K}) {
+    delassus::reduction_settings s;
+    s.on = on;
+    delassus::reduction R(model, s);
+    EXPECT(R.info().on == DLS_ON_K);
+    R.load({0, -10});
+    std::vector<double> x;
+    EXPECT(R.solve({0}, &x).solved() && near(x[1], -2));
+    R.load({0, 10});
+    EXPECT(R.solve({0}).status == DLS_NO_SOLUTION);
+    const std::vector<double> b = R.motion();
+    EXPECT(b.size() == 2 && b[0] == b[1] && b[1] > 0);
+    EXPECT(refusal([&] { (void)R.recover({0, 0}); }) == "DLS_E_UNSUPPORTED reduction");
+  }
 }
 
 /* A ball of mass 1 falls freely, then rests on the floor. */
@@ -167,6 +210,8 @@ int main() {
   refuses();
   calls_back();
   reduces();
+  gathers();
+  flies();
   moves();
   std::printf("C++: %s\n", failures ? "failed" : "passed");
   return failures != 0;

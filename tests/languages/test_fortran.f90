@@ -141,7 +141,8 @@ contains
   subroutine reduces
     real(c_double), target :: mu(1), one(1)
     integer(c_int), target :: p(2), along(1), up(1)
-    real(c_double) :: r(2), x(2), nodal(2), imbalance
+    integer(c_int) :: state(1)
+    real(c_double) :: r(2), x(2), nodal(2)
     type(dls_model) :: model
     type(dls_contact) :: problem
     type(dls_reduction_info) :: info
@@ -170,8 +171,10 @@ contains
     call expect(status == DLS_OK .and. near(x(1), 0.9375d0), 'x')
     status = dls_reduction_nodal(reduction, r, nodal)
     call expect(status == DLS_OK .and. all(nodal == r), 'nodal reactions')
-    status = dls_reduction_balance(reduction, r, imbalance)
-    call expect(status == DLS_OK .and. imbalance == 0, 'balance')
+    call expect(dls_solved(DLS_TO_ROUNDING) == 1 .and. dls_solved(DLS_STALLED) == 0, 'solved')
+    call expect(dls_reduction_states(reduction, mu, r, [0d0, 0.9375d0], state) == DLS_OK .and. &
+        state(1) == DLS_SLIP, 'states')
+    call expect(.not. c_associated(dls_reduction_motion(reduction)), 'no motion')
     status = dls_reduction_get_info(reduction, info)
     call expect(status == DLS_OK .and. info%W_bytes == 32, 'info')
     call dls_reduction_destroy(reduction)

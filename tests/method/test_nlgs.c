@@ -14,6 +14,7 @@
 #include "doors.h"
 #include "fclib_file.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "rigid.h"
 #include "run.h"
 #include "solids.h"
@@ -164,7 +165,7 @@ START_TEST(fclib_file) {
     dls_model global;
     const double *f, *g, *mu;
     ck_assert_int_eq(dls_fclib_model(file, &global, &f, &g, &mu, &error), DLS_OK);
-    ck_assert_int_eq(dls_reduction_create(&reduction, &global, &error), DLS_OK);
+    ck_assert_int_eq(reduce_on_W(&reduction, &global, NULL, &error), DLS_OK);
     ck_assert_int_eq(dls_reduction_load(reduction, f, g, &error), DLS_OK);
     ck_assert_int_eq(dls_reduction_contact(reduction, mu, &p, &error), DLS_OK);
   } else
@@ -547,7 +548,7 @@ static dls_status solve_beam(const beam *b, int automatic, double *r, dls_info *
   }
   dls_reduction *R;
   dls_contact p;
-  ck_assert_int_eq(dls_reduction_create(&R, solids_model(&S), NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&R, solids_model(&S), NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, S.f, S.g, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(R, mu, &p, NULL), DLS_OK);
   dls_solver_settings s;

@@ -13,6 +13,7 @@
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "malloc_fails.h"
+#include "reduced.h"
 #include "run.h"
 
 enum { most = 40, most_nodes = 8 }; /* unknowns, contact nodes of the systems made here */
@@ -262,7 +263,7 @@ static void condensed(const springs *s, const double *r, answer *dual,
                       dls_certificate *certificate) {
   dls_reduction *reduction;
   dls_contact problem;
-  ok(dls_reduction_create(&reduction, &s->model, &error));
+  ok(reduce_on_W(&reduction, &s->model, NULL, &error));
   ok(dls_reduction_load(reduction, s->f, s->g, &error));
   ok(dls_reduction_contact(reduction, s->mu, &problem, &error));
   ok(dls_contact_certify(&problem, r, NULL, certificate, &error));
@@ -575,7 +576,7 @@ START_TEST(jean_block) {
   dls_reduction *reduction;
   dls_contact problem;
   dls_certificate certificate;
-  ok(dls_reduction_create(&reduction, &j.data.model, &error));
+  ok(reduce_on_W(&reduction, &j.data.model, NULL, &error));
   ok(dls_reduction_load(reduction, j.data.f, j.data.g, &error));
   ok(dls_reduction_contact(reduction, j.data.mu, &problem, &error));
   /* what is out of balance, at 1e-12 of the forces, moves the contact nodes by K^-1 times it:

@@ -8,6 +8,7 @@
 
 #include "delassus/reduction.h"
 #include "moving.h"
+#include "reduced.h"
 #include "run.h"
 
 static moving_parts parts;
@@ -147,7 +148,7 @@ static double own_gap_form(int N, double theta) {
                            .HN = bodies.HN,
                            .HT = bodies.HT};
   dls_reduction *reduction;
-  ck_assert_int_eq(dls_reduction_create(&reduction, &model, NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&reduction, &model, NULL, NULL), DLS_OK);
   for (int j = 0; j <= N; j++) {
     x[j] = 0;
     v[j] = -10;

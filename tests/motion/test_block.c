@@ -256,7 +256,6 @@ START_TEST(test_two_blocks) {
   }
   const dls_motion_model model = moving_model(&parts);
   dls_motion_settings settings = moving_settings(DLS_MOTION_PATH, 1);
-  settings.stabilize = 1;
   dls_motion *motion = moving_create(&model, &settings, NULL, NULL);
 
   static moving_parts one;
@@ -264,7 +263,6 @@ START_TEST(test_two_blocks) {
   pair_add(2 * tall, pair_line, 0, &one.K);
   moving_touch(&one, whole_n - 1, whole_n - 2, 1e3);
   const dls_motion_model whole_model = moving_model(&one);
-  settings.stabilize = 0;
   dls_motion *whole = moving_create(&whole_model, &settings, NULL, NULL);
 
   static double f[n], F[whole_n];

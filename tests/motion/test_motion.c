@@ -492,7 +492,6 @@ START_TEST(test_settings) {
   EXPECT(s.law = (dls_motion_law)4, "law");
   EXPECT(s.law = DLS_MOTION_GAP, "theta");
   EXPECT((s.law = DLS_MOTION_GAP, s.theta = 1, s.restitution = 0.5), "restitution");
-  EXPECT(s.stabilize = 1, "stabilize");
   EXPECT(s.limits.tol = -1, "tol");
   EXPECT(s.method = (dls_method)99, "method");
 #undef EXPECT

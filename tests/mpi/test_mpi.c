@@ -42,7 +42,10 @@ static void scene_solve(scene *s) {
   dls_solver_settings_init(&settings);
   settings.method = DLS_ADMM;
   settings.limits.tol = 1e-13;
-  dls_status status = dls_reduction_create(&reduction, &s->b.model, &error);
+  dls_reduction_settings to_W;
+  dls_reduction_settings_init(&to_W);
+  to_W.on = DLS_ON_W;
+  dls_status status = dls_reduction_create(&reduction, &s->b.model, &to_W, &error);
   if (!status) status = dls_reduction_load(reduction, s->f, s->g, &error);
   if (!status) status = dls_reduction_contact(reduction, s->mu, &problem, &error);
   if (!status) status = dls_solve(&problem, &settings, s->r, s->u, &info, &error);

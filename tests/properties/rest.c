@@ -352,7 +352,7 @@ static dls_status solve_rest(const rest *p, double *x, double *r) {
                            .HN = compress(&p->H[0][0], 2 * REST_CONTACTS, p->n, p->nc, 0, 2, &N),
                            .HT = compress(&p->H[0][0], 2 * REST_CONTACTS, p->n, p->nc, 1, 2, &T)};
   memset(r, 0, 2 * (size_t)p->nc * sizeof *r);
-  dls_status status = dls_reduction_create_either(&reduction, &model, &how, NULL);
+  dls_status status = dls_reduction_create(&reduction, &model, &how, NULL);
   if (!status) status = dls_reduction_load(reduction, p->f, p->g, NULL);
   if (!status) status = dls_reduction_solve(reduction, p->mu, &settings, r, u, x, NULL, NULL);
   dls_reduction_destroy(reduction);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "delassus/reduction.h"
+#include "reduced.h"
 #include "run.h"
 
 /* ---- a cube of side^3 nodes on a floor ------------------------------------------------------- */
@@ -152,7 +153,7 @@ START_TEST(cancels_create) {
   dls_reduction *R = NULL;
   dls_error error = {0};
   dls_reduction_settings s = watched(&h, 0);
-  ck_assert_int_eq(dls_reduction_create_with(&R, &C.model, &s, &error), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&R, &C.model, &s, &error), DLS_OK);
   dls_reduction_destroy(R);
   ck_assert_int_eq(h.lasts, 1);
   ck_assert_int_eq(h.stages, 3);
@@ -161,7 +162,7 @@ START_TEST(cancels_create) {
   for (int k = 1; k <= calls; k++) {
     R = (dls_reduction *)&h;
     s = watched(&h, k);
-    ck_assert_int_eq(dls_reduction_create_with(&R, &C.model, &s, &error), DLS_CANCELLED);
+    ck_assert_int_eq(reduce_on_W(&R, &C.model, &s, &error), DLS_CANCELLED);
     ck_assert_ptr_null(R);
     ck_assert_int_eq(h.calls, k);
     ck_assert_int_eq(h.lasts, 1);
@@ -178,7 +179,7 @@ START_TEST(cancels_update) {
   dls_error error = {0};
   dls_contact p;
   const dls_reduction_settings s = watched(&h, 0);
-  ck_assert_int_eq(dls_reduction_create_with(&R, &C.model, &s, &error), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&R, &C.model, &s, &error), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(R, (double[floor_nodes]){0}, &p, NULL), DLS_OK);
   const size_t bytes = 9 * (size_t)floor_nodes * floor_nodes * sizeof *p.W.a;
   double *W = malloc(bytes);

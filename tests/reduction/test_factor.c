@@ -280,7 +280,8 @@ START_TEST(conditions_at_the_limit) {
 }
 END_TEST
 
-/* What has no factor: rows, columns and pivots of 0 have the value 0; a pivot < 0 its own. */
+/* What has no factor: rows, columns and pivots of 0 have the value 0; a pivot < 0 its own, a
+ * diagonal entry < 0 the value -1. */
 START_TEST(pivots_are_told) {
   static const struct {
     double rows[9];
@@ -296,7 +297,7 @@ START_TEST(pivots_are_told) {
       {{1, 2, 0, 2, 1, 0, 0, 0, 1}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 1, -3},
       {{1, 0, 1, 0, 0, 0, 1, 0, 2}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 1, 0},
       {{1, 1, 0, 1, 0, 0, 0, 0, 1}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 1, 0},
-      {{1, 0, 1, 0, 2, 0, 1, 0, -4}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 2, -4},
+      {{1, 0, 1, 0, 2, 0, 1, 0, -4}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 2, -1},
   };
   stiffness_fill(&S, 3, at[_i].rows, at[_i].tag, 0);
   dlsi_factor *factor = factor_new();

@@ -21,6 +21,7 @@
 #include "delassus/files.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
+#include "reduced.h"
 #include "run.h"
 
 enum { threads = 8, problems = 100 };
@@ -94,7 +95,7 @@ static void solve_body(body *b, uint64_t seed, dls_operator kind, dls_factorizat
   body_make(b, seed, factorization == DLS_LU ? 0.3 : 0);
   b->model.operator_kind = kind;
   b->model.factorization = factorization;
-  out->status = dls_reduction_create(&reduction, &b->model, NULL);
+  out->status = reduce_on_W(&reduction, &b->model, NULL, NULL);
   if (!out->status) out->status = dls_reduction_load(reduction, b->f, NULL, NULL);
   if (!out->status) out->status = dls_reduction_contact(reduction, b->mu, &problem, NULL);
   if (!out->status) out->status = dls_solve(&problem, NULL, out->r, NULL, NULL, NULL);
@@ -242,7 +243,7 @@ static void *print_cost(void *data) {
   body_make(b, 2, 0.3);
   b->model.operator_kind = DLS_STIFFNESS_SPARSE;
   b->model.factorization = DLS_LU;
-  dls_status status = dls_reduction_create(&reduction, &b->model, NULL);
+  dls_status status = reduce_on_W(&reduction, &b->model, NULL, NULL);
   for (int round = 0; !status && round < rounds; round++) {
     double begin = now();
     for (int k = 0; k < pairs; k++) {

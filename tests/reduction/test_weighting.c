@@ -15,6 +15,7 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "faces.h"
+#include "reduced.h"
 #include "run.h"
 
 enum { most_line = 7, most = most_line * most_line };
@@ -218,7 +219,7 @@ START_TEST(uniform_pressure_stays_uniform) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.limits.tol = 1e-13;
-  ck_assert_int_eq(dls_reduction_create(&reduction, &model, NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&reduction, &model, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(reduction, f, gap, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(reduction, mu, &problem, NULL), DLS_OK);
   ck_assert_int_eq(dls_solve(&problem, &settings, r, NULL, NULL, NULL), DLS_OK);

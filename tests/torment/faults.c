@@ -208,7 +208,7 @@ static int run_callback(void) {
   dls_reduction *reduction;
   dls_contact problem;
   dls_error error = {0};
-  dls_status status = dls_reduction_create(&reduction, &model, &error);
+  dls_status status = dls_reduction_create(&reduction, &model, NULL, &error);
   if (!status) status = dls_reduction_load(reduction, f, NULL, &error);
   if (!status) status = dls_reduction_contact(reduction, mu, &problem, &error);
   if (!status) status = dls_solve(&problem, NULL, r, u, NULL, &error);

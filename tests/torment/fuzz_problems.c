@@ -365,7 +365,6 @@ static void look_at_reduction(fuzz_bytes *b, dls_reduction *reduction, const dls
   double *f = fuzz_doubles(NULL, model->n), *g = fuzz_doubles(NULL, model->d * model->nodes);
   double *mu = fuzz_doubles(NULL, contacts), *x = fuzz_doubles(NULL, model->n);
   double *nodal = fuzz_doubles(NULL, model->d * model->nodes);
-  double imbalance;
   dls_contact problem;
   dls_error error;
   take_vector(b, model->n, f);
@@ -384,7 +383,6 @@ static void look_at_reduction(fuzz_bytes *b, dls_reduction *reduction, const dls
   take_vector(b, m, r);
   (void)!dls_reduction_recover(reduction, r, x, &error);
   (void)!dls_reduction_nodal(reduction, r, nodal, &error);
-  if (take_byte(b) < 60) (void)!dls_reduction_balance(reduction, r, &imbalance, &error);
 }
 
 /* Updates a reduction, to good models and bad ones, and looks at it, in turns. What it was made of
@@ -430,7 +428,7 @@ static void use_reduction(fuzz_bytes *b, dls_reduction *reduction, dls_model *mo
 void fuzz_reduction(const unsigned char *data, size_t size) {
   fuzz_bytes b = {data, size};
   static columns K, HN, HT, P;
-  double a[most_m * most_m], modes[2 * most_n];
+  double a[most_m * most_m];
   const int n = take_int(&b, 1, most_n), d = take_int(&b, 2, 3), nodes = take_int(&b, 0, 4);
   host own = {take_byte(&b) % 16, take_byte(&b) < 8};
   dls_model model = {.d = d, .n = n, .nodes = nodes, .solve = host_solve, .user = &own};
@@ -457,33 +455,20 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
   }
   if (take_byte(&b) < 40) model.active = active;
   if (take_byte(&b) < 40) model.mu = mu;
-  if (take_byte(&b) < 30) {
-    take_vector(&b, 2 * n, modes);
-    const int count = take_int(&b, 0, 2);
-    model.modes = (dls_dense){n, count, n, fuzz_doubles(modes, n * count)};
-  }
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
   const int how = take_byte(&b);
   settings.allow_indefinite = how & 1;
-  settings.stabilize = how >> 1 & 1;
+  settings.on = how >> 1 & 1 ? DLS_ON_EITHER : DLS_ON_W;
   settings.form_W = how % 16 != 4;
   settings.frictionless = how % 16 == 8;
   dls_reduction *reduction;
   dls_reduction_info info;
   dls_error error;
   (void)!dls_reduction_estimate(&model, &settings, &info, &error);
-  if (take_byte(&b) < 30) {
-    const int most = take_int(&b, 0, 3);
-    double *basis = fuzz_doubles(NULL, most * n);
-    int *unknown = fuzz_ints(NULL, most), count;
-    if (dls_model_modes(&model, most, basis, unknown, &count, &error) == DLS_OK)
-      for (int k = 0; k < n * (count < most ? count : most); k++)
-        FUZZ_CHECK(isfinite(basis[k]));
-  }
   if (take_byte(&b) < 30) solve_primal(&b, &model, f, g, mu);
   if (take_byte(&b) < 60) solve_global(&b, &model, f, g);
-  const dls_status status = dls_reduction_create_with(&reduction, &model, &settings, &error);
+  const dls_status status = dls_reduction_create(&reduction, &model, &settings, &error);
   FUZZ_CHECK((status == DLS_OK) == (reduction != NULL));
   if (status) return;
   use_reduction(&b, reduction, &model, &K);
@@ -577,7 +562,6 @@ static void move_model(fuzz_bytes *b) {
   s.restitution = take_byte(b) < 128 ? 0 : take_byte(b) / 250.0;
   s.activation = take_byte(b) < 200 ? 0 : take_value(b);
   s.forecast = take_byte(b) / 250.0;
-  s.stabilize = take_byte(b) & 1;
   s.limits.max_iterations = take_int(b, 0, 200);
   double mu[most_n];
   for (int c = 0; c < most_n; c++)

@@ -16,6 +16,7 @@
 
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
+#include "reduced.h"
 #include "run.h"
 #include "solids.h"
 
@@ -57,7 +58,7 @@ static dls_reduction *beam_create(const beam_kind *k, int ny, double pushed) {
     S.f[2 * (nx + (nx + 1) * j)] += k->at_end ? 4e-2 * pushed / (ny + 1) : 0;
   for (int i = 1; i <= nx; i++)
     solids_contact(&S, i, -1, (double[]){0, 1}, k->gap * ny);
-  ck_assert_int_eq(dls_reduction_create(&R, solids_model(&S), NULL), DLS_OK);
+  ck_assert_int_eq(reduce_on_W(&R, solids_model(&S), NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, S.f, S.g, NULL), DLS_OK);
   solids_free(&S);
   return R;

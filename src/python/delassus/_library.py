@@ -96,17 +96,16 @@ _USED = {
     "dls_lemke_info": "status pivots certificate crash_rounds",
     "dls_principal_settings": "limits size",
     "dls_principal_info": "status iterations certificate",
-    "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
+    "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu "
                  "triangular",
-    "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W "
+    "dls_reduction_settings": "size on loads memory_limit allow_indefinite form_W "
                               "frictionless progress progress_data",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
-                          "modes joints redundant",
+                          "joints redundant",
     "dls_derive_data": "mu q W f g K",
     "dls_derive_answer": "r u x",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
-    "dls_motion_settings": "limits size law method h theta restitution activation forecast "
-                           "stabilize",
+    "dls_motion_settings": "limits size law method h theta restitution activation forecast",
     "dls_motion_state": "d n candidates steps t x v p u gap slip state active active_list",
     "dls_motion_energies": "kinetic elastic load damping obstacle friction impact numerical "
                            "residual scale momentum",
@@ -200,6 +199,7 @@ _SIGNATURES = {
     "dls_explain": (c_size_t, "ppz"),
     "dls_status_name": (c_char_p, "i"),
     "dls_status_text": (c_char_p, "i"),
+    "dls_solved": (c_int, "i"),
     "dls_certificate_holds": (c_int, "pd"),
     "dls_contact_certify": (c_int, "ppppp"),
     "dls_contact_states": (c_int, "ppppp"),
@@ -227,7 +227,7 @@ _SIGNATURES = {
     "dls_principal_create": (c_int, "pipp"),
     "dls_principal_solve": (c_int, "pppppp"),
     "dls_principal_destroy": (None, "p"),
-    "dls_reduction_create_either": (c_int, "pppp"),
+    "dls_reduction_create": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),
     "dls_reduction_get_info": (c_int, "ppp"),
     "dls_reduction_load": (c_int, "pppp"),
@@ -236,7 +236,7 @@ _SIGNATURES = {
     "dls_reduction_recover": (c_int, "pppp"),
     "dls_reduction_solve": (c_int, "pppppppp"),
     "dls_reduction_states": (c_int, "pppppp"),
-    "dls_reduction_balance": (c_int, "pppp"),
+    "dls_reduction_certify": (c_int, "ppppppp"),
     "dls_reduction_nodal": (c_int, "pppp"),
     "dls_reduction_destroy": (None, "p"),
     "dls_motion_create": (c_int, "pppp"),

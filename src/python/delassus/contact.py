@@ -127,7 +127,7 @@ class Solution:
         d, nc = problem.d, problem.nc
         self.status = status
         self.words: str = lib.dls_status_text(status).decode()
-        self.solved = lib.dls_status_name(status).decode() in ("DLS_OK", "DLS_TO_ROUNDING")
+        self.solved = bool(lib.dls_solved(status))
         self.r = r.reshape(nc, d)
         self.u = u.reshape(nc, d)
         self.x: Vector | None = None

@@ -34,8 +34,7 @@ class Motion(Owner):
                  method: str = "auto", factorization: str | None = None, tol: float | None = None,
                  max_iterations: int | None = None, d: int | None = None,
                  theta: float | None = None, restitution: float | None = None,
-                 activation: float | None = None, forecast: float | None = None,
-                 stabilize: int | None = None) -> None:
+                 activation: float | None = None, forecast: float | None = None) -> None:
         self._held = c_void_p()
         # copies: the library goes on reading them
         copies: list[Any] = [
@@ -66,7 +65,7 @@ class Motion(Owner):
         self._watch = Watch()
         set_limits(create.limits, self._watch, tol, max_iterations)
         set_fields(create, {"theta": theta, "restitution": restitution, "activation": activation,
-                            "forecast": forecast, "stabilize": stabilize})
+                            "forecast": forecast})
         call("dls_motion_create", byref(self._held), byref(model), byref(create))
 
     def __del__(self) -> None:

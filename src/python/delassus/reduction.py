@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from ._library import (Array, Callback, Error, Matrix, Owner, Vector, address, call, columns, constants, dense, entries,
                        gaps, integers, lib, read, reals, set_fields, sparse, structs, vector)
-from .contact import Progress, Solution, Watch, solve_problem
+from .contact import Certificate, Progress, Solution, Watch, _certificate, solve_problem
 from .derivative import Derivative
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
@@ -87,10 +87,10 @@ class Reduction(Owner):
     d, n, m, candidates   sizes: m = d candidates rows of W; d = 1 without HT: normals alone
     W, q                  of the contact problem, read-only views of the library's arrays; not on K
     on                    "W" or "K": where solve() works
-    info                  memory, condition, rigid-body modes
+    info                  memory, condition
     """
 
-    def __init__(self, K: Any, HN: Any, HT: Any, P: Any, mu: Any, active: Any, modes: Any,
+    def __init__(self, K: Any, HN: Any, HT: Any, P: Any, mu: Any, active: Any,
                  factorization: str | None, flexibility: bool, d: int | None,
                  settings: dict[str, Any]) -> None:
         self._held = c_void_p()
@@ -106,11 +106,8 @@ class Reduction(Owner):
             active = (integers("active", active) != 0).astype(np.intc).reshape(-1)
             if active.size != candidates:
                 raise ValueError(f"active has {entries(active)}, needs {candidates}")
-        modes = None if modes is None else np.array(reals("modes", modes), order="F")
-        if modes is not None and (modes.ndim != 2 or modes.shape[0] != HN.shape[0]):
-            raise ValueError(f"modes is {modes.shape}, needs {HN.shape[0]} rows")
         self._has_tangents = HT is not None
-        self._options = (P, mu, active, modes, factorization, flexibility, d)
+        self._options = (P, mu, active, factorization, flexibility, d)
         model, kept, solve = self._model(K, HN, HT)
         create = structs["dls_reduction_settings"]()
         lib.dls_reduction_settings_init(byref(create))
@@ -119,7 +116,7 @@ class Reduction(Owner):
         create.frictionless = not self._has_tangents
         self._watch.set(create)
         self._host.solve = solve
-        self._call("dls_reduction_create_either", byref(self._held), byref(model), byref(create))
+        self._call("dls_reduction_create", byref(self._held), byref(model), byref(create))
         self._matrix = kept[0]  # for the pattern of dL/dK; the library has copied it
         self._loaded = self._updated = 0  # counts loads and updates
         # the sizes that the library holds: no update changes them
@@ -132,7 +129,7 @@ class Reduction(Owner):
 
     def _model(self, K: Any, HN: Any, HT: Any) -> tuple[Any, Any, Any]:
         """Returns a dls_model, what it views, and K where that is a function; changes nothing."""
-        P, mu, active, modes, factorization, flexibility, d = self._options
+        P, mu, active, factorization, flexibility, d = self._options
         if (HT is not None) != self._has_tangents:
             raise ValueError("HT is missing" if HT is None else
                              "HT is given, but the reduction was made without it")
@@ -141,8 +138,6 @@ class Reduction(Owner):
         n, nodes = HN.shape
         model = structs["dls_model"](d=d, n=n, nodes=nodes, HN=sparse(HN), HT=sparse(HT),
                                      P=sparse(P), mu=address(mu), active=address(active))
-        if modes is not None:
-            model.modes = dense(modes)
         solve = None
         if callable(K):
             kind, solve = "DLS_HOST_SOLVER", K
@@ -220,7 +215,7 @@ class Reduction(Owner):
               threads: int | None = None, plan: str | None = None, without: str | None = None,
               timed: bool = False, forces: str = "any") -> Solution:
         """Loads f and g if one is given, and solves for r and x; options as in solve(). The
-        certificate is that of the body (dls_reduction_solve), without springs of held modes."""
+        certificate is that of the body (dls_reduction_solve)."""
         check_tangents(self._has_tangents or None, mu)
         if f is not None or g is not None:
             self.load(f, g)
@@ -296,12 +291,14 @@ class Reduction(Owner):
         self._call("dls_reduction_nodal", self._held, address(r), address(R))
         return R[:, :self.d]
 
-    def balance(self, r: Array) -> float:
-        """Moves the springs of held rigid-body modes so that they carry less; returns the
-        imbalance."""
-        r, imbalance = vector("r", r, self.m, self.d), c_double()
-        self._call("dls_reduction_balance", self._held, address(r), byref(imbalance))
-        return imbalance.value
+    def certify(self, r: Array, x: Array, mu: Array | None = None) -> Certificate:
+        """Measures the pair (x, r) on the body: returns its Certificate."""
+        r, x = vector("r", r, self.m, self.d), vector("x", x, self.n)
+        _, mu = self._sizes(mu)
+        certificate = structs["dls_certificate"]()
+        self._call("dls_reduction_certify", self._held, address(mu), address(r), address(x), None,
+                   byref(certificate))
+        return _certificate(certificate)
 
     @property
     def info(self) -> dict[str, Any]:
@@ -311,9 +308,9 @@ class Reduction(Owner):
 
 
 def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | None = None,
-           mu: Array | None = None, active: Array | None = None, modes: Array | None = None,
+           mu: Array | None = None, active: Array | None = None,
            factorization: str | None = None, flexibility: bool = False, d: int | None = None,
-           stabilize: bool = False, memory_limit: float = 0, on: str | None = None,
+           memory_limit: float = 0, on: str | None = None,
            loads: int = 1) -> Reduction:
     """Returns a Reduction: factorises K and forms W = H^T K^-1 H, or keeps the problem on K.
 
@@ -326,7 +323,6 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
     active  one for each contact: 0 leaves it out
     factorization   "cholesky", "ldlt", "lu"; None: lu if K is not symmetric to the last bit, else
             cholesky, or ldlt if that finds a negative pivot
-    modes, stabilize   rigid-body motions, given or found: solved on K
     on      "W": few contacts, any method, W and recover(); "K": contact over whole surfaces, bodies
             that contact alone holds, solve() by method auto; None: the lower estimated cost for
             `loads` solves, K if it is singular or W exceeds memory_limit (bytes)
@@ -334,6 +330,6 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
     if on not in (None, "W", "K"):
         raise ValueError(f"on is {on!r}, must be 'W', 'K' or None")
     place = constants["DLS_ON_EITHER" if on is None else "DLS_ON_" + on]
-    return Reduction(K, HN, HT, P, mu, active, modes, factorization, flexibility, d,
-                     {"stabilize": bool(stabilize), "memory_limit": memory_limit, "on": place,
+    return Reduction(K, HN, HT, P, mu, active, factorization, flexibility, d,
+                     {"memory_limit": memory_limit, "on": place,
                       "loads": loads})
