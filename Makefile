@@ -82,7 +82,7 @@ MPI_CFLAGS := $(patsubst -I%,-isystem %,$(MPI_INCLUDES)) -DDLSI_MPI
 MPI_LIBS := -ldmumps -lscalapack-openmpi $(shell $(MPICC) --showme:link)
 endif
 
-LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/geometry src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
 NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))

@@ -24,13 +24,14 @@ import sys
 import tempfile
 import time
 
-ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/facts", "src/auto", "src/front", "src/motion"]
+ROOMS = ["lcp", "vi", "reduction", "src/base", "src/geometry", "src/linear", "src/files", "src/facts", "src/auto", "src/front", "src/motion"]
 # The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
     "lcp": ["lcp", "tuning"],
     "vi": ["tuning", "method", "contract"],
     "reduction": ["reduction", "motion"],
     "src/base": ["base", "tuning", "linear", "lcp", "contract"],
+    "src/geometry": ["geometry"],
     "src/linear": ["linear", "reduction", "tuning", "method"],
     "src/files": ["files"],
     "src/facts": ["facts", "tuning", "contract", "catalogue"],
