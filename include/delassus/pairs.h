@@ -25,8 +25,8 @@
  *   nothing, beyond the border          none: DLS_PAIR_BESIDE
  *
  * 1e-6 of a face beyond its border still counts as over it. A hanging node is no unknown: leave it
- * out of `node`. It may be a corner of a face: H becomes T^T H with the T of x = T x' that eliminates
- * it, as K becomes T^T K T.
+ * out of `node`. It may be a corner of a face: H becomes T^T H with the T of x = T x' that
+ * eliminates it, as K becomes T^T K T.
  *
  * Mortar. With `own`, the faces of your body, the contact nodes are points of quadrature, and the
  * candidates are nodes i of these faces. P averages over the hat functions phi_i of the nodes:

@@ -155,6 +155,7 @@ dls_status dlsi_check_sparse(const char *argument, const dls_sparse *A, int rows
 dls_status dlsi_check_blocks(const dls_blocks *B, dls_error *error);
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error);
 dls_status dlsi_check_model(const dls_model *model, dls_error *error);
+dls_status dlsi_check_model_contacts(const dls_model *model, dls_error *error); /* all but K */
 
 /* Checks that the n friction coefficients "mu" are >= 0; INFINITY is one. */
 dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);

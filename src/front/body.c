@@ -170,7 +170,7 @@ static dls_status create_either(dls_reduction **out, const dls_model *model,
   int better = held;
   dls_status status = DLS_OK;
   *out = NULL;
-  if (held || !is_small(model)) {
+  if (held || !(is_small(model) || settings->surface_count > 0)) {
     status = create_on(out, model, settings, DLS_ON_K, error);
     if (status == DLS_E_UNSUPPORTED) return create_on(out, model, settings, DLS_ON_W, error);
     if (status) return status;
