@@ -10,12 +10,15 @@ from ._library import (Error, InputError, NoDerivativeError, OutOfMemoryError, S
                        StateError, UnsupportedError, constants)
 from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
 from .derivative import Gradient, Moved
+from .geometry import Pairs, RigidBodies, pairs
 from .motion import Motion, NotCertified
 from .reduction import Reduction, reduce
 
 __all__ = ["Certificate", "Error", "Gradient", "InputError", "Motion", "Moved",
-           "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Progress", "Proof", "Reduction", "SingularError", "Solution", "Stage", "StateError",
-           "UnsupportedError", "__version__", "certify", "constants", "reduce", "solve"]
+           "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress", "Proof", "Reduction",
+           "RigidBodies", "SingularError", "Solution", "Stage", "StateError",
+           "UnsupportedError", "__version__", "certify", "constants", "pairs",
+           "reduce", "solve"]
 
 
 def __getattr__(name: str) -> int:
