@@ -144,7 +144,7 @@ help:
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
 	@echo 'make docs        the guide as HTML with a search, build/docs/html (Doxygen)'
 	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
-	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; PETSc and deal.II with a MUMPS of their own; installs them'
+	@echo 'make check-hosts     GetFEM, CalculiX, PETSc, dolfinx and ODE hand their data over; PETSc and deal.II with a MUMPS of their own; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
@@ -763,7 +763,7 @@ check-links: all
 check-hosts:
 	@$(DEPS) hosts
 	@$(MAKE) --no-print-directory all
-	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
+	@CC='$(CC)' CXX='$(CXX)' PYTHON='$(PYTHON)' examples/hosts/run.sh $(BUILD)
 	@CC='$(CC)' tests/hosts/run.sh $(BUILD)
 
 .PHONY: dist
