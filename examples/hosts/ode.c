@@ -55,7 +55,7 @@ static int step(void) {
 }
 /* end of glue */
 
-static void begin(double slope, double with_friction) {
+static void ode_begin(double slope, double with_friction) {
   world = dWorldCreate();
   space = dSimpleSpaceCreate(0);
   friction = with_friction;
@@ -63,7 +63,7 @@ static void begin(double slope, double with_friction) {
   dCreatePlane(space, sin(slope), 0, cos(slope), 0);
 }
 
-static void box(double x, double z, double turned) {
+static void ode_box(double x, double z, double turned) {
   dMatrix3 R;
   const dBodyID b = dBodyCreate(world);
   const dGeomID e = dCreateBox(space, 0.4, 0.3, 0.2);
@@ -78,7 +78,7 @@ static void box(double x, double z, double turned) {
 }
 
 /* Returns 1 if each step was solved. */
-static int run(void) {
+static int ode_run(void) {
   for (int k = 0; k < steps; k++) {
     const int status = step();
     if (status < 0) puts(error.message);
@@ -94,18 +94,18 @@ static const char *yes(int is) {
 int main(void) {
   const double a = atan(0.5), up = 0.1 - 1e-6;
   dInitODE();
-  begin(a, 0.3);
-  box(up * sin(a), up * cos(a), a);
-  if (!run()) return 1;
+  ode_begin(a, 0.3);
+  ode_box(up * sin(a), up * cos(a), a);
+  if (!ode_run()) return 1;
   const double speed = steps * h * g * (sin(a) - 0.3 * cos(a));
   const int as_by_hand = fabs(hypot(B[0].v[0], B[0].v[2]) - speed) <= 1e-9 * speed;
   printf("slope: %d steps solved, speed as by hand to 1e-9: %s\n", steps, yes(as_by_hand));
   dWorldDestroy(world);
-  begin(0, 0.5);
+  ode_begin(0, 0.5);
   for (int k = 0; k < 10; k++)
-    box(0.003 * (k % 3), 0.1 + 0.2 * k - 1e-6 * (k + 1), 0);
+    ode_box(0.003 * (k % 3), 0.1 + 0.2 * k - 1e-6 * (k + 1), 0);
   const double top = dBodyGetPosition(body_of[9])[2];
-  if (!run()) return 1;
+  if (!ode_run()) return 1;
   double floor = 0, weight = 240 * g * h;
   for (int c = 0; c < nc; c++)
     if (pair[2 * c] < 0 || pair[2 * c + 1] < 0) floor += r[3 * c];
