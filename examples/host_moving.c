@@ -69,9 +69,7 @@ int main(void) {
   if (status < 0) return fprintf(stderr, "%s\n", error.message);
   const double by_hand = 1 / sqrt(c * (c + 4));
   const int good = !status && apart <= 1e-9 && fabs(middle - by_hand) <= 1e-5 * by_hand;
-  printf("the strip under the wheel sinks by %.4f, by hand %.4f; as new reductions say: %s
-         ", middle,
-         by_hand,
-         good ? "yes" : "no");
+  printf("the strip under the wheel sinks by %.4f, by hand %.4f; as new reductions say: %s\n",
+         middle, by_hand, good ? "yes" : "no");
   return !good;
 }
