@@ -110,9 +110,9 @@ dls_status dlsi_kept_again(const dlsi_kept *kept, const dlsi_operator *H, dlsi_k
 void dlsi_kept_take(dlsi_kept *kept, const dlsi_kept *next) {
   double *const x = kept->x;
   int *const index = kept->index;
-  free(kept->scratch);
-  free(kept->part);
-  free(kept->memory);
+  kept->x = NULL;
+  kept->index = NULL;
+  dlsi_kept_free(kept);
   *kept = *next;
   kept->x = x;
   kept->index = index;
