@@ -82,7 +82,7 @@ MPI_CFLAGS := $(patsubst -I%,-isystem %,$(MPI_INCLUDES)) -DDLSI_MPI
 MPI_LIBS := -ldmumps -lscalapack-openmpi $(shell $(MPICC) --showme:link)
 endif
 
-LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/geometry src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
 NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
@@ -144,7 +144,7 @@ help:
 	@echo 'make check-debian    dpkg-buildpackage and lintian'
 	@echo 'make docs        the guide as HTML with a search, build/docs/html (Doxygen)'
 	@echo 'make check-docs      every command of the documents, in a copy of the tree; make check-links: dead links'
-	@echo 'make check-hosts     GetFEM, CalculiX, PETSc, MuJoCo, deal.II hand their matrices over; PETSc and deal.II with a MUMPS of their own; installs them'
+	@echo 'make check-hosts     GetFEM, CalculiX, PETSc, MuJoCo, deal.II, dolfinx and ODE hand their data over; PETSc and deal.II with a MUMPS of their own; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'

@@ -8,6 +8,8 @@
  *   paced.h      progress now and then
  *   info.h       methods and outcome
  *   model.h      K, H_N, H_T of the host
+ *   pairs.h      meshes of two bodies -> H_N, H_T, gaps
+ *   rigid.h      rigid bodies in space -> H in factors, and back
  *   reduction.h  K, f, H -> W, q and back
  *   global.h     the problem on K itself, without W
  *   solve.h      one call for any method
@@ -49,9 +51,11 @@
 #include "delassus/newton.h"
 #include "delassus/nlgs.h"
 #include "delassus/paced.h"
+#include "delassus/pairs.h"
 #include "delassus/pivoting.h"
 #include "delassus/primal.h"
 #include "delassus/reduction.h"
+#include "delassus/rigid.h"
 #include "delassus/solve.h"
 #include "delassus/status.h"
 #include "delassus/trust.h"

@@ -401,13 +401,18 @@ public:
     dls_reduction *out = nullptr;
     call([&](dls_error *e) { return dls_reduction_create(&out, &model, &s, e); });
     work.reset(out);
-    gaps = detail::size(model.d, model.nodes);
-    candidates = detail::contacts(model);
-    m = static_cast<std::size_t>(s.frictionless ? 1 : model.d) * candidates;
+    per = s.frictionless ? 1 : static_cast<std::size_t>(model.d);
+    count(model);
   }
   /* new values on the pattern of the first model */
   void update(const dls_model &model) {
     call([&](dls_error *e) { return dls_reduction_update(work.get(), &model, e); });
+  }
+  /* new contacts on the same K: dls_reduction_move */
+  void move(const dls_model &model, const std::vector<double> &g = {}) {
+    const double *G = detail::pointer(g, detail::size(model.d, model.nodes), "move", "g", true);
+    call([&](dls_error *e) { return dls_reduction_move(work.get(), &model, G, e); });
+    count(model);
   }
   void load(const std::vector<double> &f, const std::vector<double> &g = {}) {
     const double *F = detail::pointer(f, unknowns(), "load", "f", true);
@@ -497,12 +502,50 @@ public:
   }
 
 private:
+  void count(const dls_model &model) {
+    gaps = detail::size(model.d, model.nodes);
+    candidates = detail::contacts(model);
+    m = per * candidates;
+  }
   std::size_t unknowns() const {
     return static_cast<std::size_t>(n);
   }
   int n;
-  std::size_t gaps, candidates = 0, m = 0;
+  std::size_t gaps, candidates = 0, m = 0, per = 0;
   detail::held<dls_reduction, dls_reduction_destroy> work;
+};
+
+/* ---- H from meshes --------------------------------------------------------------------------- */
+
+/* What dls_pairs_find finds, freed with the object; pointers are valid as long as it lives. */
+class pairs {
+public:
+  explicit pairs(const dls_surfaces &surfaces) : held() {
+    call([&](dls_error *e) { return dls_pairs_find(&surfaces, &held, e); });
+    space = static_cast<std::size_t>(surfaces.d);
+  }
+  pairs(const pairs &) = delete;
+  pairs &operator=(const pairs &) = delete;
+  ~pairs() {
+    dls_pairs_free(&held);
+  }
+  /* sets nodes, HN, HT and P of a model */
+  void into(dls_model *model) const {
+    model->nodes = held.nodes;
+    model->HN = held.HN;
+    model->HT = held.HT;
+    model->P = held.P;
+  }
+  std::vector<double> g() const {
+    return {held.g, held.g + space * static_cast<std::size_t>(held.nodes)};
+  }
+  const dls_pairs &get() const noexcept {
+    return held;
+  }
+
+private:
+  dls_pairs held;
+  std::size_t space = 0;
 };
 
 /* ---- motion ---------------------------------------------------------------------------------- */

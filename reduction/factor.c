@@ -348,6 +348,8 @@ dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, d
 
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error) {
   if (factor->kind == DLS_HOST_SOLVER) return DLS_OK;
+  free(factor->Z);
+  factor->Z = NULL;
   if (factor->schur) {
     dlsi_schur_watch(factor->schur, factor->watch);
     const dls_status status = dlsi_schur_factor(factor->schur, &model->Ks, error);
@@ -408,6 +410,7 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int
 void dlsi_factor_destroy(dlsi_factor *factor) {
   if (!factor) return;
   dlsi_schur_destroy(factor->schur);
+  free(factor->Z);
   free(factor->A);
   free(factor->memory);
   free(factor);

@@ -123,23 +123,21 @@ static int influence_between(const dlsi_operator *H, const dlsi_columns *Hc, dls
   return 0;
 }
 
-static dls_status influence_from_schur(const dlsi_factor *factor, const dlsi_operator *H, double *W,
+static dls_status influence_from_schur(dlsi_factor *factor, const dlsi_operator *H, double *W,
                                        dls_error *error) {
   const size_t b = (size_t)factor->kept;
   dlsi_columns Hc = {0};
-  double *Z = dlsi_alloc(b + 1, b * sizeof *Z);
+  double *Z = factor->Z ? factor->Z : dlsi_alloc(b + 1, b * sizeof *Z);
   dls_status status = Z ? influence_columns(H, &Hc, error) : dlsi_no_memory(error);
-  if (!status) {
-    status = dlsi_schur_inverse(factor->schur, Z);
-    if (!status && influence_between(H, &Hc, factor->watch, Z, Z + b * b, W))
-      status = DLS_CANCELLED;
-  }
-  free(Z);
+  if (!status && !factor->Z) status = dlsi_schur_inverse(factor->schur, Z);
+  factor->Z = !status && factor->keeps_Z ? Z : NULL;
+  if (!status && influence_between(H, &Hc, factor->watch, Z, Z + b * b, W)) status = DLS_CANCELLED;
+  if (!factor->Z) free(Z);
   dlsi_columns_free(&Hc);
   return status;
 }
 
-dls_status dlsi_influence(const dlsi_factor *factor, const dlsi_operator *H, double *W,
+dls_status dlsi_influence(dlsi_factor *factor, const dlsi_operator *H, double *W,
                           dls_error *error) {
   const size_t m = (size_t)H->Ht.rows;
   memset(W, 0, m * m * sizeof *W);

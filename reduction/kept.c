@@ -60,16 +60,11 @@ static dls_status kept_scratch(dlsi_kept *kept, dls_error *error) {
   return kept->scratch ? DLS_OK : dlsi_no_memory(error);
 }
 
-dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
-                            dls_error *error) {
-  const size_t n = (size_t)model->n, nc = (size_t)H->candidates, m = (size_t)H->d * nc;
-  const int has_K =
-      model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
-  *kept = (dlsi_kept){.model = {.n = model->n,
-                                .operator_kind = model->operator_kind,
-                                .factorization = model->factorization,
-                                .triangular = model->triangular}};
-  kept->body = (dlsi_body){.n = model->n, .Ht = dlsi_columns_view(&H->Ht), .d = H->d};
+/* Fills all but the copy of K. */
+static dls_status kept_contacts(dlsi_kept *kept, int has_K, const dlsi_operator *H,
+                                dls_error *error) {
+  const size_t n = (size_t)kept->model.n, nc = (size_t)H->candidates, m = (size_t)H->d * nc;
+  kept->body = (dlsi_body){.n = kept->model.n, .Ht = dlsi_columns_view(&H->Ht), .d = H->d};
   kept->body.nc = H->candidates;
   kept->memory = dlsi_alloc(n + 2 * m + 2 * nc, sizeof(double));
   kept->part = dlsi_alloc(3 * n, sizeof *kept->part);
@@ -84,14 +79,43 @@ dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_
   for (size_t k = 0; k < 2 * nc; k++)
     kept->w[k] = 1;
   if (!has_K) return kept_scratch(kept, error);
-  dls_status status = model->operator_kind == DLS_STIFFNESS_DENSE ? kept_dense(kept, model, error)
-                                                                  : kept_sparse(kept, model, error);
-  if (status) return status;
   kept_parts(kept);
-  status = kept_weights(kept, H, error);
+  dls_status status = kept_weights(kept, H, error);
   if (!status) status = kept_scratch(kept, error);
   kept->has_K = !status;
   return status;
+}
+
+dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
+                            dls_error *error) {
+  const int dense = model->operator_kind == DLS_STIFFNESS_DENSE;
+  const int has_K = dense || model->operator_kind == DLS_STIFFNESS_SPARSE;
+  *kept = (dlsi_kept){.model = {.n = model->n,
+                                .operator_kind = model->operator_kind,
+                                .factorization = model->factorization,
+                                .triangular = model->triangular}};
+  dls_status status = DLS_OK;
+  if (has_K) status = dense ? kept_dense(kept, model, error) : kept_sparse(kept, model, error);
+  return status ? status : kept_contacts(kept, has_K, H, error);
+}
+
+dls_status dlsi_kept_again(const dlsi_kept *kept, const dlsi_operator *H, dlsi_kept *next,
+                           dls_error *error) {
+  *next = (dlsi_kept){.model = kept->model};
+  const dls_status status = kept_contacts(next, kept->has_K, H, error);
+  if (!status) memcpy(next->f, kept->f, (size_t)kept->model.n * sizeof *next->f);
+  return status;
+}
+
+void dlsi_kept_take(dlsi_kept *kept, const dlsi_kept *next) {
+  double *const x = kept->x;
+  int *const index = kept->index;
+  kept->x = NULL;
+  kept->index = NULL;
+  dlsi_kept_free(kept);
+  *kept = *next;
+  kept->x = x;
+  kept->index = index;
 }
 
 void dlsi_kept_free(dlsi_kept *kept) {

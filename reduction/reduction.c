@@ -39,6 +39,7 @@ struct dls_reduction {
   int ready;   /* 0 after an update that failed */
   int whole;   /* 1: K is factored without a Schur complement */
   int is_free; /* 1: the host gave K^-1 f instead of f */
+  int moves;   /* 1: H may touch all of H.keep, the surface */
   int half;    /* 1: the factor holds the forward pass of f, or of 0 where is_free */
   dlsi_operator H;
   dlsi_kept kept; /* for the certificate of the body */
@@ -54,9 +55,10 @@ struct dls_reduction {
   double *x;  /* n, by position: scratch */
   double *y;  /* n: scratch of a solve with a flexibility */
   double *z;  /* n: scratch of the halves of a solve with a sparse K */
-  double *v;  /* m: scratch, the next q */
-  double *next_gap; /* m: the next P^T g */
-  void *memory;     /* of all of these but H, the factor, the modes and W */
+  double *on_surface; /* n: K^-1 f on the kept unknowns, of the last load; a sparse K */
+  double *v;          /* m: scratch, the next q */
+  double *next_gap;   /* m: the next P^T g */
+  void *memory;       /* of all of these but H, the factor, the modes and W */
 };
 
 void dls_reduction_settings_init(dls_reduction_settings *settings) {
@@ -74,6 +76,7 @@ static dls_status reduction_settings(const dls_reduction_settings *s, dls_error 
                               {"memory_limit", s->memory_limit, 0, INFINITY, 0},
                               {"allow_indefinite", s->allow_indefinite, 0, 1, 0},
                               {"form_W", s->form_W, 0, 1, 0},
+                              {"surface_count", s->surface_count, 0, INT_MAX, 0},
                               {"frictionless", s->frictionless, 0, 1, 0}};
   if (s->size == sizeof *s) return dlsi_check_each(sizeof own / sizeof own[0], own, error);
   return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
@@ -89,7 +92,9 @@ static void reduction_carve(dls_reduction *work, dlsi_arena *arena) {
   work->next_gap = dlsi_take(arena, work->m, sizeof *work->next_gap);
   work->f = dlsi_take(arena, work->n, sizeof *work->f);
   work->x = dlsi_take(arena, work->n, sizeof *work->x);
-  work->z = dlsi_take(arena, work->kind == DLS_STIFFNESS_SPARSE ? work->n : 0, sizeof *work->z);
+  const size_t sparse = work->kind == DLS_STIFFNESS_SPARSE ? work->n : 0;
+  work->z = dlsi_take(arena, sparse, sizeof *work->z);
+  work->on_surface = dlsi_take(arena, sparse, sizeof *work->on_surface);
   work->y = dlsi_take(arena, work->kind == DLS_FLEXIBILITY ? work->n : 0, sizeof *work->y);
 }
 
@@ -131,11 +136,13 @@ static dls_status reduction_limit(const dls_reduction *work, dls_error *error) {
 static dls_status reduction_analyse(dls_reduction *work, const dls_model *model, dls_error *error) {
   if (work->factor) return DLS_OK;
   const dlsi_operator *H = &work->H;
-  const int kept = work->settings.form_W && !work->whole && H->kept / 4 <= H->columns ? H->kept : 0;
+  const int pays = work->moves || (work->settings.form_W && H->kept / 4 <= H->columns);
+  const int kept = pays && !work->whole ? H->kept : 0;
   dls_status status = dlsi_watch_stage(&work->watch, "analysis", 0);
   if (!status) status = dlsi_factor_create(&work->factor, model, kept, H->keep, error);
   if (status) return status;
   work->factor->watch = &work->watch;
+  work->factor->keeps_Z = work->moves;
   reduction_foresee(work);
   return DLS_OK;
 }
@@ -287,6 +294,7 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   if (status) return status;
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
+  memset(work->on_surface, 0, (size_t)work->factor->kept * sizeof *work->on_surface);
   work->is_free = work->half = 0;
   if (work->settings.form_W) {
     status = dlsi_watch_stage(&work->watch, "W", reduction_batches(work));
@@ -299,6 +307,52 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   }
   work->ready = !status;
   return status;
+}
+
+/* Adds the surface of the settings to the unknowns that H touches. */
+static dls_status reduction_surface(dls_reduction *work, dls_error *error) {
+  const int count = work->settings.surface_count, *surface = work->settings.surface;
+  dlsi_operator *H = &work->H;
+  work->moves = count > 0;
+  if (count > 0 && !surface) return dlsi_is_null(error, "surface");
+  char *on = calloc(work->n, 1);
+  if (!on) return dlsi_no_memory(error);
+  dls_status status = DLS_OK;
+  for (int k = 0; k < H->kept; k++)
+    on[H->keep[k]] = 1;
+  for (int k = 0; !status && k < count; k++)
+    if (surface[k] < 0 || (size_t)surface[k] >= work->n)
+      status = dlsi_fail(error, DLS_E_ARGUMENT, "surface", k, surface[k],
+                         "is %d, outside of 0 .. n-1", surface[k]);
+    else
+      on[surface[k]] = 1;
+  H->kept = 0;
+  for (int i = 0; (size_t)i < work->n; i++)
+    if (on[i]) H->keep[H->kept++] = i;
+  free(on);
+  work->settings.surface = NULL; /* the host's */
+  return status;
+}
+
+/* Checks that another H stays on the surface, and gives it the list of that. */
+static dls_status reduction_stay(const dls_reduction *work, dlsi_operator *H, dls_error *error) {
+  const dlsi_operator *old = &work->H;
+  const int *joint = work->kept.body.joint;
+  int at = 0;
+  for (int k = 0; k < H->kept; k++) {
+    const int i = H->keep[k];
+    while (at < old->kept && old->keep[at] < i)
+      at++;
+    const int off =
+        work->factor && work->factor->kept > 0 && (at == old->kept || old->keep[at] != i);
+    if (off || (joint && joint[i]))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, i, "HN, HT, P touch unknown %d, %s", i,
+                       off ? "which is not on the surface" : "a multiplier");
+  }
+  if (!work->factor || work->factor->kept == 0) return DLS_OK;
+  memcpy(H->keep, old->keep, (size_t)old->kept * sizeof *H->keep);
+  H->kept = old->kept;
+  return DLS_OK;
 }
 
 /* Does everything before the factorisation: checks, H, sizes. *out = NULL after an error. */
@@ -328,6 +382,7 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   status = dlsi_operator_create(&work->H, model, settings->frictionless, error);
   work->m = (size_t)work->H.d * (size_t)work->H.candidates;
   work->info.contacts = work->H.candidates;
+  if (!status) status = reduction_surface(work, error);
   if (!status) status = reduction_allocate(work, error);
   if (status)
     dls_reduction_destroy(work);
@@ -415,6 +470,7 @@ static dls_status reduction_update(dls_reduction *work, const dls_model *model, 
   if (status) return status;
   dlsi_operator H;
   status = dlsi_operator_create(&H, model, work->settings.frictionless, error);
+  if (!status && work->moves) status = reduction_stay(work, &H, error);
   if (!status) status = reduction_same(work, model, &H, error);
   if (!status) {
     const dlsi_operator old = work->H;
@@ -532,7 +588,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
   if (status) return status;
-  const int solves = f && work->m > 0 && !is_on_K(work);
+  const int solves = f && !is_on_K(work) && (work->m > 0 || work->factor->kept > 0);
   reduction_gaps(work, g);
   memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
   for (size_t k = 0; solves && k < work->n; k++)
@@ -546,6 +602,8 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   for (size_t k = 0; k < work->n && !is_on_K(work); k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
   reduction_silence(work, work->f);
+  for (int k = 0; !is_on_K(work) && k < work->factor->kept; k++)
+    work->on_surface[k] = solves ? work->z[k] : 0;
   for (size_t k = 0; k < work->n; k++)
     work->kept.f[k] = f ? f[k] : 0;
   memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
@@ -592,6 +650,100 @@ dls_status dls_reduction_load_free(dls_reduction *reduction, const double *x_fre
   dls_status status = reduction_enter(reduction, error);
   if (!status)
     status = dlsi_leave(&reduction->busy, reduction_load_free(reduction, x_free, g, error));
+  return dlsi_at(__func__, status, error);
+}
+
+/* Computes q of `next`, whose H is new, from the f of work; next.v := q, next.next_gap := P^T g. */
+static dls_status reduction_reload(const dls_reduction *work, dls_reduction *next, const double *g,
+                                   dls_error *error) {
+  reduction_gaps(next, g);
+  memcpy(next->next_gap, next->v, next->m * sizeof *next->v);
+  if (is_on_K(next)) return reduction_take_q(next, error);
+  const dlsi_factor *factor = next->factor;
+  dls_status status = DLS_OK;
+  memcpy(next->f, work->f, next->n * sizeof *next->f);
+  memcpy(next->on_surface, work->on_surface, (size_t)factor->kept * sizeof *next->on_surface);
+  if (factor->kept > 0 && !work->is_free)
+    dlsi_operator_add(&next->H, next->H.keep, (size_t)factor->kept, work->on_surface, next->v);
+  else {
+    memcpy(next->x, work->f, next->n * sizeof *next->x);
+    if (!work->is_free) status = reduction_solve_x(next, error);
+    if (!status) dlsi_operator_add(&next->H, factor->unknown, next->n, next->x, next->v);
+  }
+  return status ? status : reduction_take_q(next, error);
+}
+
+/* Fills `next`, a copy of work that shares all but what depends on H. */
+static dls_status reduction_again(const dls_reduction *work, dls_reduction *next, const double *g,
+                                  dls_error *error) {
+  dls_status status = reduction_allocate(next, error);
+  if (!status) status = dlsi_kept_again(&work->kept, &next->H, &next->kept, error);
+  if (status) return status;
+  if (next->mu) memcpy(next->mu, next->H.mu, (size_t)next->H.candidates * sizeof *next->mu);
+  if (!is_on_K(work) && work->settings.form_W) {
+    next->info.W_bytes = sizeof(double) * (double)next->m * (double)next->m;
+    next->info.bytes += next->info.W_bytes - work->info.W_bytes;
+    status = reduction_limit(next, error);
+    if (!status) status = dlsi_watch_stage(next->factor->watch, "W", reduction_batches(next));
+    if (!status) next->W = dlsi_alloc(next->m, next->m * sizeof *next->W);
+    if (!status && !next->W) status = dlsi_no_memory(error);
+    if (!status) status = dlsi_influence(next->factor, &next->H, next->W, error);
+  }
+  if (!status) status = reduction_reload(work, next, g, error);
+  if (!status) memcpy(next->kept.gap, next->next_gap, next->m * sizeof *next->v);
+  return status;
+}
+
+static dls_status reduction_move(dls_reduction *work, const dls_model *model, const double *g,
+                                 dls_error *error) {
+  dls_status status = reduction_ready(work, error);
+  if (!status) status = dlsi_check_model_contacts(model, error);
+  if (status) return status;
+  if (model->d != work->d || (size_t)model->n != work->n)
+    return dlsi_fail(error, DLS_E_SIZE, model->d != work->d ? "d" : "n", -1,
+                     model->d != work->d ? model->d : model->n, "is not what it was in create");
+  if (g) status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)model->nodes, error);
+  if (status) return status;
+  dls_reduction next = *work;
+  next.memory = NULL;
+  next.W = NULL;
+  next.kept = (dlsi_kept){.x = NULL};
+  next.nodes = model->nodes;
+  status = dlsi_operator_create(&next.H, model, work->settings.frictionless, error);
+  if (!status) status = reduction_stay(work, &next.H, error);
+  next.m = (size_t)next.H.d * (size_t)next.H.candidates;
+  next.info.contacts = next.H.candidates;
+  work->watch.is_cancelled = 0;
+  work->watch.begun = dlsi_clock_start(&work->watch.limits);
+  if (work->factor) work->factor->keeps_Z = 1;
+  if (!status) status = reduction_again(work, &next, g, error);
+  if (status >= 0) dlsi_watch_end(&work->watch);
+  if (status) {
+    dlsi_kept_free(&next.kept);
+    dlsi_operator_free(&next.H);
+    free(next.W);
+    free(next.memory);
+    return status;
+  }
+  reduction_drop_companion(work);
+  dlsi_operator_free(&work->H);
+  free(work->W);
+  free(work->memory);
+  dlsi_kept_take(&work->kept, &next.kept);
+  next.kept = work->kept;
+  next.companion = NULL;
+  next.is_stale = 0;
+  next.moves = 1;
+  next.watch = work->watch;
+  *work = next;
+  return DLS_OK;
+}
+
+dls_status dls_reduction_move(dls_reduction *reduction, const dls_model *model, const double *g,
+                              dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = reduction_enter(reduction, error);
+  if (!status) status = dlsi_leave(&reduction->busy, reduction_move(reduction, model, g, error));
   return dlsi_at(__func__, status, error);
 }
 

@@ -42,6 +42,8 @@ typedef struct dlsi_factor {
   double rcond;      /* of the scaled K, the least of its parts */
   dlsi_schur *schur; /* NULL: the parts are dense, or the host's */
   int kept;          /* unknowns of the Schur complement */
+  int keeps_Z;       /* 1: keep Z for other H (dls_reduction_move) */
+  double *Z;         /* (kept + 1) x kept: S^-1 and scratch; NULL: not at hand */
   size_t entries;    /* of A */
   double *A;         /* matrices or factors of the parts, one after the other */
   size_t *start;     /* parts: where each of them starts in A */
@@ -108,6 +110,12 @@ void dlsi_kept_free(dlsi_kept *kept);
 dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const double *mu,
                              const double *r, const double *x, double tol, int regular,
                              dls_certificate *certificate, dls_error *error);
+/* Makes *next of another H on the same K, with the same f: what depends on H is new, what does not
+ * stays that of kept until dlsi_kept_take, which frees the old. Call dlsi_kept_free(next) after an
+ * error: DLS_E_MEMORY. */
+dls_status dlsi_kept_again(const dlsi_kept *kept, const dlsi_operator *H, dlsi_kept *next,
+                           dls_error *error);
+void dlsi_kept_take(dlsi_kept *kept, const dlsi_kept *next);
 
 /* Returns the body, which lives where *kept does. */
 const dlsi_body *dlsi_kept_body(dlsi_kept *kept);
@@ -116,7 +124,6 @@ const dlsi_body *dlsi_kept_body(dlsi_kept *kept);
 
 /* Forms W := H^T K^-1 H, m x m. DLS_E_NOT_FINITE naming W, DLS_E_MEMORY, the errors of the
  * solves; DLS_CANCELLED by factor->watch. */
-dls_status dlsi_influence(const dlsi_factor *factor, const dlsi_operator *H, double *W,
-                          dls_error *error);
+dls_status dlsi_influence(dlsi_factor *factor, const dlsi_operator *H, double *W, dls_error *error);
 
 #endif

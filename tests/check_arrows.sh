@@ -22,6 +22,7 @@ vi 3
 reduction 3
 global 3
 src/files 3
+src/geometry 2
 src/facts 4
 src/auto 5
 src/front 6
@@ -45,6 +46,8 @@ primal.h vi
 reduction.h reduction
 global.h global
 files.h src/files
+pairs.h src/geometry
+rigid.h src/geometry
 trust.h src/facts
 derive.h src/facts
 solve.h src/front

@@ -44,6 +44,16 @@ if [ -d /usr/include/deal.II ]; then
   build_cc dealii "-Wl,--copy-dt-needed-entries -isystem /usr/include/trilinos -isystem /usr/include/suitesparse $(pkg-config --cflags petsc) -ldeal.ii -ltbb $(mpi)"
   check dealii.cc "$out/dealii"
 else skip dealii.cc libdeal.ii-dev; fi
+if [ -e /usr/include/ode/ode.h ]; then
+  build_c ode "$(pkg-config --cflags --libs ode)"
+  check ode.c "$out/ode"
+else skip ode.c libode-dev; fi
+if command -v ccx >/dev/null && "$python" -c 'import numpy, scipy' 2>/dev/null; then
+  check calculix_pairs.py "$python" $here/calculix_pairs.py "$out/calculix_pairs"
+else skip calculix_pairs.py calculix-ccx; fi
+if "$python" -c 'import dolfinx, numpy, scipy' 2>/dev/null; then
+  check dolfinx_press.py env XDG_CACHE_HOME="$PWD/$out" "$python" $here/dolfinx_press.py 2>"$out/dolfinx.log"
+else skip dolfinx_press.py python3-dolfinx; fi
 
 # lines of code between the marks, without blank lines and comments
 for source in "$here"/*.c "$here"/*.cc "$here"/*.py; do

@@ -45,10 +45,13 @@ typedef struct dls_reduction_settings {
   double memory_limit;  /* bytes; a larger estimate is DLS_E_MEMORY; 0: no limit; 0 */
   int allow_indefinite; /* 1: factorises an indefinite K tagged DLS_CHOLESKY as DLS_LDLT; 0: that is
                            an error; 0 */
-  int form_W;       /* 0: q and x only, for methods that work on K: DLS_ON_EITHER is W then; 1 */
-  int frictionless; /* 1: condenses H_N alone. The contact problem has d = 1: one entry of r, u and
+  int form_W;        /* 0: q and x only, for methods that work on K: DLS_ON_EITHER is W then; 1 */
+  int frictionless;  /* 1: condenses H_N alone. The contact problem has d = 1: one entry of r, u and
                        q per contact, 1/4 (2D) or 1/9 (3D) of W's memory. HT is checked, not used;
                        model.mu must be 0 or NULL (DLS_E_ARGUMENT); 0 */
+  int surface_count; /* unknowns in surface; 0 */
+  const int *surface; /* unknowns that H of dls_reduction_move may touch, besides those that H of
+                         create touches; read by create only; NULL */
   dls_progress_fn progress; /* called in create and update, about every millisecond. dls_progress
                                has method "reduction"; stage "analysis", "factor" or "W";
                                iteration of max_iterations pieces (0: unknown); residual -1, r NULL.
@@ -90,7 +93,7 @@ typedef struct dls_reduction dls_reduction;
  *
  *   W   K is not known (flexibility, host's solver), or form_W is 0
  *   K   K is singular, or W would exceed settings.memory_limit
- *   W   d * (contacts) <= 100
+ *   W   d * (contacts) <= 100, or settings.surface is given
  *   otherwise the one with the lower estimated cost of settings.loads solves
  *
  * dls_reduction_get_info returns the choice. dls_reduction_solve works on both; so do load,
@@ -135,6 +138,25 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const 
  *                                return DLS_E_ARGUMENT */
 DLS_API DLS_MUST_USE dls_status dls_reduction_update(dls_reduction *reduction,
                                                      const dls_model *model, dls_error *error);
+
+/* Takes new contacts on the K of create: contact that moves over the surface of a body. Reads d, n,
+ * nodes, HN, HT, P, active and mu of the model, any number of contacts; f stays, g (d nodes, or
+ * NULL for 0) is new. K is neither read nor factorised again:
+ *
+ *   sparse K   H may touch settings.surface and what H of create touches: b unknowns. Without
+ *              settings.surface the first call takes 2 b^3 operations; others b for each entry of H
+ *   other K    any H; a solve for each of its columns, and one for f. So do a sparse K of small
+ *              parts, and one without a Schur complement (info.condensed = 0)
+ *   on K       any H; the next solve analyses K + H R H^T anew
+ *
+ * Views of dls_reduction_contact end. create with nodes = 0 and settings.surface condenses a body
+ * before it has any contact. After an error, or DLS_CANCELLED, the reduction is unchanged.
+ *
+ *   DLS_E_ARGUMENT   "HN": an unknown that is not on the surface, or is the multiplier of a joint
+ *   DLS_E_SIZE       another d or n
+ *   and those of dls_reduction_create for H, P, mu, g, W */
+DLS_API DLS_MUST_USE dls_status dls_reduction_move(dls_reduction *reduction, const dls_model *model,
+                                                   const double *g, dls_error *error);
 
 /* Returns the cost of the reduction and where it solves. DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_get_info(const dls_reduction *reduction,

@@ -155,6 +155,7 @@ dls_status dlsi_check_sparse(const char *argument, const dls_sparse *A, int rows
 dls_status dlsi_check_blocks(const dls_blocks *B, dls_error *error);
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error);
 dls_status dlsi_check_model(const dls_model *model, dls_error *error);
+dls_status dlsi_check_model_contacts(const dls_model *model, dls_error *error); /* all but K */
 
 /* Checks that the n friction coefficients "mu" are >= 0; INFINITY is one. */
 dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
@@ -342,6 +343,11 @@ double dlsi_norm2(const double *x, size_t n);
  * DLSI_GOLDEN_BITS, the golden ratio times 2^64, make a sequence of unlike x. */
 #define DLSI_GOLDEN_BITS 0x9e3779b97f4a7c15u
 uint64_t dlsi_mix(uint64_t x);
+
+/* Completes a frame whose row 0 has a normal n of d entries, of any length > 0: n becomes a unit
+ * vector; in 2D t is n turned by -90 degrees; in 3D t is the axis that n leans to least, without
+ * its part along n, and s = n x t. Returns 0 if n is zero or not finite. */
+int dlsi_frame(int d, double frame[3][3]);
 
 /* Returns the number in [0, 1) drawn by x, by dlsi_mix. */
 double dlsi_draw(uint64_t x);

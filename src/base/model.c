@@ -116,7 +116,7 @@ static dls_status model_check_weighting(const dls_model *model, dls_error *error
   return DLS_OK;
 }
 
-dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
+static dls_status model_check_sizes(const dls_model *model, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
   const int d = model->d, n = model->n, nodes = model->nodes;
   if (d != 2 && d != 3)
@@ -124,12 +124,29 @@ dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
   if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
   if (nodes < 0 || nodes > INT_MAX / d)
     return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
-  dls_status status = model_check_operator(model, error);
-  if (!status && nodes > 0) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
+  return DLS_OK;
+}
+
+/* Checks H, P and mu. */
+static dls_status model_check_contacts(const dls_model *model, dls_error *error) {
+  const int d = model->d, n = model->n, nodes = model->nodes;
+  dls_status status = DLS_OK;
+  if (nodes > 0) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
   if (!status && nodes > 0) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
   if (!status && model->P.p) status = model_check_weighting(model, error);
   if (status || !model->mu) return status;
   return dlsi_check_friction(model->mu, (size_t)dlsi_model_candidates(model), error);
+}
+
+dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
+  dls_status status = model_check_sizes(model, error);
+  if (!status) status = model_check_operator(model, error);
+  return status ? status : model_check_contacts(model, error);
+}
+
+dls_status dlsi_check_model_contacts(const dls_model *model, dls_error *error) {
+  const dls_status status = model_check_sizes(model, error);
+  return status ? status : model_check_contacts(model, error);
 }
 
 int dlsi_model_candidates(const dls_model *model) {

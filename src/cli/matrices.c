@@ -12,6 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/base.h"
 #include "hints.h"
 #include "matrices.h"
 
@@ -268,33 +269,6 @@ static int split_columns(const dls_sparse *H, int d, sparse *HN, sparse *HT) {
   return 1;
 }
 
-/* Completes the frame (n, t[, s]) of a normal: in 2D t is n turned by -90 degrees; in 3D t is the
- * axis that n leans to least, without its part along n, and s = n x t. */
-static int complete_frame(int d, double frame[3][3]) {
-  double *a = frame[0], *t = frame[1], *s = frame[2], size = 0;
-  for (int k = 0; k < d; k++)
-    size = hypot(size, a[k]);
-  if (!(size > 0 && isfinite(size))) return 0;
-  for (int k = 0; k < d; k++)
-    a[k] /= size;
-  if (d == 2) {
-    t[0] = a[1];
-    t[1] = -a[0];
-    return 1;
-  }
-  int least = 0;
-  for (int k = 1; k < 3; k++)
-    if (fabs(a[k]) < fabs(a[least])) least = k;
-  for (int k = 0; k < 3; k++)
-    t[k] = (k == least) - a[least] * a[k];
-  const double length = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-  for (int k = 0; k < 3; k++)
-    t[k] /= length;
-  for (int k = 0; k < 3; k++)
-    s[k] = a[(k + 1) % 3] * t[(k + 2) % 3] - a[(k + 2) % 3] * t[(k + 1) % 3];
-  return 1;
-}
-
 /* Makes H of a list of nodes and normals; directions in which a node is held have no entry. */
 static int operators_of_nodes(const char *path, int n, const struct matrices *own, int *d,
                               sparse *H) {
@@ -316,7 +290,7 @@ static int operators_of_nodes(const char *path, int n, const struct matrices *ow
     const int node = row[0] >= 1 && row[0] < INT_MAX ? (int)row[0] : 0;
     if (find_unknown(own, *d, n, node, 0) == -2)
       good = refuse("--nodes: %s, row %d: there is no node %g", path, c + 1, row[0]);
-    else if (!complete_frame(*d, frame))
+    else if (!dlsi_frame(*d, frame))
       good = refuse("--nodes: %s, row %d: has no normal", path, c + 1);
     for (int i = 0; good && i < *d; i++) {
       H->p[*d * c + i] = entries;

@@ -300,6 +300,50 @@ module delassus
       integer(c_int) :: status
     end function
 
+    function dls_reduction_move(reduction, model, g, error) bind(c) result(status)
+      import :: c_int, c_ptr, c_double, dls_model, dls_error
+      type(c_ptr), value :: reduction
+      type(dls_model), intent(in) :: model
+      real(c_double), intent(in), optional :: g(*)
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+
+    ! ---- pairs.h, rigid.h ----
+    function dls_pairs_find(surfaces, pairs, error) bind(c) result(status)
+      import :: c_int, dls_surfaces, dls_pairs, dls_error
+      type(dls_surfaces), intent(in) :: surfaces
+      type(dls_pairs), intent(inout) :: pairs
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+    subroutine dls_pairs_free(pairs) bind(c)
+      import :: dls_pairs
+      type(dls_pairs), intent(inout) :: pairs
+    end subroutine
+    function dls_rigid_contact(count, bodies, a, b, point, normal, gap, k, body, H, q, frame, error) &
+        bind(c) result(status)
+      import :: c_int, c_double, dls_rigid, dls_error
+      integer(c_int), value :: count, a, b, k  ! bodies and contacts from 0
+      type(dls_rigid), intent(in) :: bodies(*)
+      real(c_double), intent(in) :: point(3), normal(3)
+      real(c_double), value :: gap
+      integer(c_int), intent(inout) :: body(*)
+      real(c_double), intent(inout) :: H(*), q(*)
+      real(c_double), intent(inout), optional :: frame(9)
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+    function dls_rigid_apply(count, bodies, nc, body, H, r, error) bind(c) result(status)
+      import :: c_int, c_double, dls_rigid, dls_error
+      integer(c_int), value :: count, nc
+      type(dls_rigid), intent(inout) :: bodies(*)
+      integer(c_int), intent(in) :: body(*)
+      real(c_double), intent(in) :: H(*), r(*)
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+
     ! ---- motion.h ----
     subroutine dls_motion_settings_init(settings) bind(c)
       import :: dls_motion_settings
@@ -365,6 +409,7 @@ module delassus
   public :: dls_reduction_recover, dls_reduction_nodal, dls_reduction_states, dls_reduction_motion
   public :: dls_reduction_certify, dls_reduction_solve, dls_certificate_verdict
   public :: dls_reduction_destroy, dls_weighting_line, dls_weighting_quadratic
+  public :: dls_reduction_move, dls_pairs_find, dls_pairs_free, dls_rigid_contact, dls_rigid_apply
   public :: dls_motion_settings_init
   public :: dls_motion_create, dls_motion_start, dls_motion_step, dls_motion_set_h
   public :: dls_motion_get_state, dls_motion_get_energies, dls_motion_destroy

@@ -158,10 +158,12 @@ static dls_status take_W(dls_reduction **out, const dls_model *model,
   return status;
 }
 
-/* Returns 1 if W is taken without a look at the costs: for few contacts, or if W is not formed. */
+/* Returns 1 if W is taken without a look at the costs: for few contacts, a given
+ * surface, or if W is not formed. */
 static int prefers_W(const dls_model *model, const dls_reduction_settings *settings) {
   const int candidates = model->P.p ? model->P.cols : model->nodes;
-  return !settings->form_W || (double)model->d * candidates <= small_on_W;
+  return !settings->form_W || settings->surface_count > 0 ||
+         (double)model->d * candidates <= small_on_W;
 }
 
 static dls_status body_create(dls_reduction **out, const dls_model *model,

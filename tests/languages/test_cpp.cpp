@@ -135,6 +135,45 @@ static void reduces() {
   EXPECT(refusal([&] { delassus::reduction none(model); }) != "");
 }
 
+/* A node at a quarter of an edge, held by springs of 1, is pressed on it; then on its other end. */
+static void finds_pairs() {
+  const double X[] = {0, 0, 4, 0, 1, 0.5}, low[] = {0, 0, 4, 0, 0, 0.5};
+  const int node[] = {2}, face[] = {1, 0};
+  dls_surfaces s = {};
+  s.d = 2;
+  s.n = 6;
+  s.points = 3;
+  s.X = X;
+  s.nodes = s.faces = 1;
+  s.node = node;
+  s.corners = 2;
+  s.face = face;
+  const delassus::pairs pairs(s);
+  EXPECT(pairs.get().nodes == 1 && pairs.g()[0] == 0.5 && pairs.g()[1] == 0);
+  const delassus::sparse K{6, 6, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 3, 4, 5}, {1, 1, 1, 1, 1, 1}};
+  dls_model model = {};
+  model.d = 2;
+  model.n = 6;
+  model.operator_kind = DLS_STIFFNESS_SPARSE;
+  model.factorization = DLS_CHOLESKY;
+  model.Ks = K.view();
+  pairs.into(&model);
+  delassus::reduction reduction(model);
+  std::vector<double> x;
+  reduction.load({0, 0, 0, 0, 0, -2}, pairs.g());
+  delassus::answer a = reduction.solve({0}, &x);
+  EXPECT(a.solved() && near(a.r[0], 1.5 / 1.625)); /* 1 + 9/16 + 1/16 */
+  s.X = low;
+  const delassus::pairs there(s);
+  there.into(&model);
+  reduction.move(model, there.g());
+  a = reduction.solve({0}, &x);
+  EXPECT(a.solved() && near(a.r[0], 0.75) && near(x[5], -1.25));
+  EXPECT(refusal([&] { reduction.move(model, {1}); }) == "DLS_E_SIZE g");
+  s.corners = 3;
+  EXPECT(refusal([&] { delassus::pairs none(s); }) == "DLS_E_ARGUMENT corners");
+}
+
 /* The point once more, its K sparse, from entries in any order; the columns of H dense. */
 static void gathers() {
   delassus::entries K(2);
@@ -210,6 +249,7 @@ int main() {
   refuses();
   calls_back();
   reduces();
+  finds_pairs();
   gathers();
   flies();
   moves();

@@ -39,6 +39,7 @@ program test_fortran
   call calls_back
   call reduces
   call refuses
+  call geometry
   call moves
   print '(2a)', 'Fortran: ', merge('failed', 'passed', failures > 0)
   if (failures > 0) stop 1
@@ -202,6 +203,59 @@ contains
         'its place')
     call expect(index(dls_message(error), 'dls_solve: mu[0]') == 1, 'its message')
     call expect(all(r == 7), 'outputs untouched')
+  end subroutine
+
+  ! A node over an edge: H and the gap. A ball thrown at the floor stops: its momentum is the impulse.
+  subroutine geometry
+    real(c_double), target :: X(6), H(36), q(3), r(3), mu(1)
+    integer(c_int), target :: node(1), face(2), body(2)
+    real(c_double), pointer :: gap(:)
+    type(dls_surfaces) :: surfaces
+    type(dls_pairs) :: pairs
+    type(dls_rigid) :: ball(1)
+    type(dls_contact) :: problem
+    type(dls_error) :: error
+    integer(c_int) :: status
+    X = [0d0, 0d0, 4d0, 0d0, 1d0, 0.5d0]
+    node = 3
+    face = [2, 1]
+    surfaces%d = 2
+    surfaces%n = 6
+    surfaces%points = 3
+    surfaces%base = 1
+    surfaces%X = c_loc(X)
+    surfaces%nodes = 1
+    surfaces%node = c_loc(node)
+    surfaces%faces = 1
+    surfaces%corners = 2
+    surfaces%face = c_loc(face)
+    status = dls_pairs_find(surfaces, pairs, error)
+    call expect(status == DLS_OK .and. pairs%nodes == 1 .and. pairs%HN%rows == 6, 'pairs')
+    call c_f_pointer(pairs%g, gap, [2])
+    call expect(near(gap(1), 0.5d0), 'their gap')
+    call dls_pairs_free(pairs)
+    surfaces%corners = 3
+    status = dls_pairs_find(surfaces, pairs, error)
+    call expect(status == DLS_E_ARGUMENT .and. dls_text(error%argument) == 'corners', 'three corners')
+    ball(1)%mass = 2
+    ball(1)%inertia = [1d0, 0d0, 0d0, 0d0, 1d0, 0d0, 0d0, 0d0, 1d0]
+    ball(1)%R = ball(1)%inertia
+    ball(1)%x = [0d0, 0d0, 1d0]
+    ball(1)%v = [0d0, 0d0, -3d0]
+    status = dls_rigid_contact(1, ball, 0, -1, [0d0, 0d0, 0d0], [0d0, 0d0, 1d0], 0d0, 0, body, H, q)
+    call expect(status == DLS_OK .and. near(q(1), -3d0) .and. body(2) == -1, 'a contact of a ball')
+    mu = 0
+    problem%d = 3
+    problem%nc = 1
+    problem%q = c_loc(q)
+    problem%mu = c_loc(mu)
+    problem%bodies%n = 6
+    problem%bodies%count = 1
+    problem%bodies%body = c_loc(body)
+    problem%bodies%H = c_loc(H)
+    call expect(dls_solve(problem, r=r) == DLS_OK .and. near(r(1), 6d0), 'its impulse')
+    call expect(dls_rigid_apply(1, ball, 1, body, H, r) == DLS_OK, 'its motion')
+    call expect(abs(ball(1)%v(3)) <= 1d-8, 'it has stopped')
   end subroutine
 
   ! A ball falls on a floor and rests: p is its weight times h.

@@ -544,6 +544,119 @@ class Reduce(unittest.TestCase):
         np.testing.assert_allclose(W, [[0.6, -0.2], [-0.2, 0.4]], rtol=1e-12)
 
 
+class Surface(unittest.TestCase):
+    """A chain whose contact moves, with K factorised once."""
+
+    def setUp(self):
+        self.K, _, _ = chain(400)
+        self.f = -np.ones(400)
+
+    def sides(self, *at):
+        HN = sp.csc_matrix((np.ones(len(at)), (at, range(len(at)))), (400, len(at)))
+        HT = sp.csc_matrix((np.ones(len(at)), (np.add(at, 1), range(len(at)))), (400, len(at)))
+        return HN, HT
+
+    def test_moves(self):
+        red = delassus.reduce(self.K, *self.sides(10), surface=np.arange(5, 60))
+        red.load(self.f)
+        W, q = red.W, red.q
+        before = W.copy(), q.copy()
+        for at, g in (((20, 30), None), ((5, 40, 58), np.full((3, 2), -.5)), ((), None), ((12,), None)):
+            red.move(*self.sides(*at), g=g)
+            other = delassus.reduce(self.K, *self.sides(*at))
+            other.load(self.f, g)
+            self.assertEqual((red.m, red.candidates), (2 * len(at), len(at)))
+            np.testing.assert_allclose(red.W, other.W, rtol=1e-12)
+            np.testing.assert_allclose(red.q, other.q, rtol=1e-12)
+            a, b = red.solve(0.3), other.solve(0.3)
+            self.assertTrue(a.solved and b.solved)
+            np.testing.assert_allclose(a.x, b.x, rtol=1e-9, atol=1e-9 * np.abs(b.x).max())
+        np.testing.assert_array_equal(W, before[0])  # copies, which outlive the library's arrays
+        np.testing.assert_array_equal(q, before[1])
+        red.move(*self.sides(12, 14), mu=[0.0, 0.2], active=[0, 1])
+        self.assertEqual(red.candidates, 1)
+        red.update(self.K, *self.sides(12, 14))
+        red.load(self.f)
+        a, b = red.solve(), delassus.reduce(self.K, *self.sides(14)).solve(0.2, self.f)
+        np.testing.assert_allclose(a.r, b.r, rtol=1e-9)
+
+    def test_bad_input(self):
+        red = delassus.reduce(self.K, *self.sides(10), surface=[20, 21])
+        for wrong in (self.sides(19), (self.sides(10)[0][:300],), (self.sides(10, 20)[0], self.sides(10)[1])):
+            with self.assertRaises(ValueError):
+                red.move(*wrong)
+        with self.assertRaises(ValueError):
+            red.move(*self.sides(20), g=[1.0, 2.0, 3.0])
+        self.assertEqual(red.m, 2)
+        self.assertTrue(red.solve(0.1, self.f).solved)
+        for surface in ([400], [-1], [0.5]):
+            with self.assertRaises(ValueError):
+                delassus.reduce(self.K, *self.sides(10), surface=surface)
+        with self.assertRaises(ValueError):
+            delassus.reduce(self.K, *self.sides(10)).move(*self.sides(10))
+
+    def test_derivatives_end(self):
+        red = delassus.reduce(self.K, *self.sides(10), surface=[20, 21])
+        s = red.solve(0.3, self.f)
+        red.move(*self.sides(20))
+        with self.assertRaises(ValueError):
+            s.vjp(r=np.ones((1, 2)))
+
+
+class Geometry(unittest.TestCase):
+    def test_pairs(self):
+        X = [[0, 0], [4, 0], [1, .5], [9, 9]]
+        p = delassus.pairs(X, [2, 3], [[1, 0]], dof=[[-1, -1], [7, 3], [0, 5], [1, 2]], n=8)
+        np.testing.assert_allclose(p.HN.toarray()[:, 0], [0, 0, 0, -.25, 0, 1, 0, 0])
+        np.testing.assert_allclose(p.HT.toarray()[:, 0], [1, 0, 0, 0, 0, 0, 0, -.25])
+        self.assertEqual((p.g.tolist(), p.node.tolist(), p.face.tolist()), ([[.5, 0]], [2], [0]))
+        self.assertEqual((p.state.tolist(), p.P, p.measure), (["found", "far"], None, None))
+        np.testing.assert_allclose(p.frame, [[[0, 1], [1, 0]]])
+        wall = delassus.pairs(np.add(X, 0.0), [3, 4], wall=([0, 1], [0, 1]), base=1)
+        self.assertEqual((wall.g[:, 0].tolist(), wall.HN.shape), ([-.5, 8], (8, 2)))
+
+    def test_mortar(self):
+        x, y = np.linspace(0, 1, 4), np.linspace(0, 1, 6)
+        X = np.r_[np.c_[x, 0 * x], np.c_[y, 0 * y]]
+        face = np.c_[1:4, 0:3]
+        own = np.c_[4:9, 5:10]
+        p = delassus.pairs(X, face=face, own=own)
+        R = (p.HN @ (p.P @ p.measure)).reshape(-1, 2)[:, 1]
+        np.testing.assert_allclose(R, [-1/6, -1/3, -1/3, -1/6, .1, .2, .2, .2, .2, .1])
+        self.assertEqual((p.node.tolist(), p.state), (list(range(4, 10)), None))
+
+    def test_bad_pairs(self):
+        X = [[0, 0], [4, 0], [1, .5]]
+        good = dict(node=[2], face=[[1, 0]])
+        for change in (dict(node=[3]), dict(face=[[1, 1]]), dict(face=[1, 0]), dict(face=[[0, 1, 2]]), dict(reach=-1),
+                       dict(dof=[[0, 1]]), dict(n=4), dict(base=2), dict(node=[2, 2]), dict(wall=([0, 0], [0, 1])),
+                       dict(wall=([0, 0, 0], [0, 1])), dict(face=[[1.5, 0]]), dict(own=[[5, 0]])):
+            with self.assertRaises(ValueError, msg=str(change)):
+                delassus.pairs(X, **{**good, **change})
+        for X in ([[0, 0, 0, 0]], [0, 1], [[np.nan, 0], [4, 0], [1, .5]]):
+            with self.assertRaises(ValueError):
+                delassus.pairs(X, **good)
+
+    def test_rigid_bodies(self):
+        # a cube of side 2 falls on the floor, its speed across by friction 1/4 slowed down
+        b = delassus.RigidBodies(3.0, 2 * np.eye(3), np.eye(3), [0, 0, 1], [1, 0, -2], [0, 0, 0])
+        corner = np.array([[i, j, 0] for i in (-1, 1) for j in (-1, 1)], float)
+        W, q = b.contacts([[0, -1]] * 4, corner * 4, [[0, 0, 5]] * 4)
+        self.assertEqual((W[0].tolist(), W[1].shape), ([[0, -1]] * 4, (4, 2, 3, 6)))
+        s = delassus.solve(W, q, 0.25, tol=1e-12)
+        b.apply(s.r)
+        np.testing.assert_allclose(s.r[:, 0].sum(), 6)
+        np.testing.assert_allclose(b.v[0], [.5, 0, 0], atol=1e-9)
+        with self.assertRaises(ValueError):
+            b.contacts([[0, 1]], [[0, 0, 0]], [[0, 0, 1]])
+        with self.assertRaises(ValueError):
+            b.apply(np.ones(5))
+        with self.assertRaises(ValueError):
+            delassus.RigidBodies(1, np.eye(3), np.eye(3), 0, 0, 0).apply([])
+        with self.assertRaises(ValueError):
+            delassus.RigidBodies(-1, np.eye(3), np.eye(3), 0, 0, 0).contacts([[0, -1]], [0, 0, 0], [0, 0, 1])
+
+
 class Motion(unittest.TestCase):
     def ball(self, **settings):
         _, HN, HT = POINT

@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 
-ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/linear", "src/files", "src/facts", "src/auto", "src/front",
+ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/geometry", "src/linear", "src/files", "src/facts", "src/auto", "src/front",
          "src/motion", "src/fe", "src/cli"]
 # The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
@@ -33,6 +33,7 @@ NEAR = {
     "reduction": ["reduction", "motion"],
     "global": ["global", "front"],
     "src/base": ["base", "tuning", "linear", "lcp", "contract"],
+    "src/geometry": ["geometry"],
     "src/linear": ["linear", "reduction", "tuning", "method"],
     "src/files": ["files"],
     "src/facts": ["facts", "tuning", "contract", "catalogue"],

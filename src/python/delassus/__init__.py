@@ -11,16 +11,17 @@ from ._library import (Error, InputError, NoDerivativeError, OutOfMemoryError, S
 from .batch import Batch, solve_many
 from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
 from .derivative import Gradient, Moved
+from .geometry import Pairs, RigidBodies, pairs
 from .lcp import LcpSolution, solve_lcp
 from .motion import Motion, NotCertified
 from .reduction import Reduction, reduce
 from .solver import Solver
 
 __all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSolution", "Motion",
-           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Progress", "Proof",
-           "Reduction", "SingularError", "Solution", "Solver", "Stage", "StateError",
-           "UnsupportedError", "__version__", "certify", "constants", "reduce", "solve",
-           "solve_lcp", "solve_many"]
+           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress",
+           "Proof", "Reduction", "RigidBodies", "SingularError", "Solution", "Solver", "Stage",
+           "StateError", "UnsupportedError", "__version__", "certify", "constants", "pairs",
+           "reduce", "solve", "solve_lcp", "solve_many"]
 
 
 def __getattr__(name: str) -> int:

@@ -99,7 +99,11 @@ _USED = {
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu "
                  "triangular",
     "dls_reduction_settings": "size on loads memory_limit allow_indefinite form_W "
-                              "frictionless progress progress_data",
+                              "frictionless progress progress_data surface surface_count",
+    "dls_surfaces": "d n points base X dof nodes node faces corners face wall own_faces own_corners "
+                    "own reach",
+    "dls_pairs": "nodes candidates HN HT P g frame face node measure state",
+    "dls_rigid": "mass inertia R x v w",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
                           "joints redundant",
     "dls_derive_data": "mu q W f g K",
@@ -238,7 +242,12 @@ _SIGNATURES = {
     "dls_reduction_states": (c_int, "pppppp"),
     "dls_reduction_certify": (c_int, "ppppppp"),
     "dls_reduction_nodal": (c_int, "pppp"),
+    "dls_reduction_move": (c_int, "pppp"),
     "dls_reduction_destroy": (None, "p"),
+    "dls_pairs_find": (c_int, "ppp"),
+    "dls_pairs_free": (None, "p"),
+    "dls_rigid_contact": (c_int, "ipiippdippppp"),
+    "dls_rigid_apply": (c_int, "ipipppp"),
     "dls_motion_create": (c_int, "pppp"),
     "dls_motion_start": (c_int, "pppdp"),
     "dls_motion_step": (c_int, "pppppp"),

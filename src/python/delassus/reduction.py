@@ -85,27 +85,20 @@ class Reduction(Owner):
     """A factorised K with W, or the problem on K itself; made by reduce().
 
     d, n, m, candidates   sizes: m = d candidates rows of W; d = 1 without HT: normals alone
-    W, q                  of the contact problem, read-only views of the library's arrays; not on K
+    W, q                  of the contact problem, read-only views of the library's arrays; copies
+                          with surface; not on K
     on                    "W" or "K": where solve() works
     info                  memory, condition
     """
 
     def __init__(self, K: Any, HN: Any, HT: Any, P: Any, mu: Any, active: Any,
                  factorization: str | None, flexibility: bool, d: int | None,
-                 settings: dict[str, Any]) -> None:
+                 settings: dict[str, Any], surface: Any = None) -> None:
         self._held = c_void_p()
         self._host = _Host()
         self._watch = Watch()
+        P, mu, active = self._sides(HN, P, mu, active)
         HN = columns("HN", HN)
-        nodes = HN.shape[1]
-        P = None if P is None else columns("P", P).copy()
-        candidates = nodes if P is None else P.shape[1]
-        # copies: update() takes them once more
-        mu = None if mu is None else vector("mu", mu, candidates).copy()
-        if active is not None:
-            active = (integers("active", active) != 0).astype(np.intc).reshape(-1)
-            if active.size != candidates:
-                raise ValueError(f"active has {entries(active)}, needs {candidates}")
         self._has_tangents = HT is not None
         self._options = (P, mu, active, factorization, flexibility, d)
         model, kept, solve = self._model(K, HN, HT)
@@ -114,6 +107,10 @@ class Reduction(Owner):
         create.allow_indefinite = factorization is None
         set_fields(create, settings)
         create.frictionless = not self._has_tangents
+        self._surface = surface is not None
+        if surface is not None:
+            surface = integers("surface", surface).reshape(-1)
+            create.surface, create.surface_count = address(surface), surface.size
         self._watch.set(create)
         self._host.solve = solve
         self._call("dls_reduction_create", byref(self._held), byref(model), byref(create))
@@ -123,9 +120,25 @@ class Reduction(Owner):
         self._d: int = model.d  # of g
         self.d: int = model.d if self._has_tangents else 1
         self.n: int = model.n
-        self._nodes = nodes
+        self._count(model, P, active)
+
+    def _count(self, model: Any, P: Any, active: Any) -> None:
+        self._nodes: int = model.nodes
+        candidates = model.nodes if P is None else P.shape[1]
         self.candidates: int = candidates if active is None else int(np.count_nonzero(active))
         self.m: int = self.d * self.candidates
+
+    @staticmethod
+    def _sides(HN: Any, P: Any, mu: Any, active: Any) -> tuple[Any, Any, Any]:
+        """Returns copies, which update() takes once more."""
+        P = None if P is None else columns("P", P).copy()
+        candidates = columns("HN", HN).shape[1] if P is None else P.shape[1]
+        mu = None if mu is None else vector("mu", mu, candidates).copy()
+        if active is not None:
+            active = (integers("active", active) != 0).astype(np.intc).reshape(-1)
+            if active.size != candidates:
+                raise ValueError(f"active has {entries(active)}, needs {candidates}")
+        return P, mu, active
 
     def _model(self, K: Any, HN: Any, HT: Any) -> tuple[Any, Any, Any]:
         """Returns a dls_model, what it views, and K where that is a function; changes nothing."""
@@ -188,6 +201,28 @@ class Reduction(Owner):
         self._updated += 1
         self._call("dls_reduction_update", self._held, byref(model), solve=before)
         self._matrix = kept[0]
+
+    def move(self, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | None = None,
+             mu: Array | None = None, active: Array | None = None,
+             g: Array | None = None) -> None:
+        """Takes new contacts, any number, on the K that is factorised: HN and HT touch unknowns of
+        `surface`. The load stays, g is new. After an Error the reduction is unchanged."""
+        if not self._surface:
+            raise ValueError("the reduction was made without surface")
+        if (HT is not None) != self._has_tangents:
+            raise ValueError("HT is missing" if HT is None else
+                             "HT is given, but the reduction was made without it")
+        check_tangents(HT, mu)
+        d, N, T = operators(HN, HT, self._d)
+        weights, friction, on = self._sides(N, P, mu, active)
+        model = structs["dls_model"](d=d, n=N.shape[0], nodes=N.shape[1], HN=sparse(N), HT=sparse(T),
+                                     P=sparse(weights), mu=address(friction), active=address(on))
+        gaps = None if g is None else vector("g", g, d * N.shape[1], d)
+        self._loaded += 1
+        self._updated += 1
+        self._call("dls_reduction_move", self._held, byref(model), address(gaps))
+        self._options = (weights, friction, on, *self._options[3:])
+        self._count(model, weights, on)
 
     def load(self, f: Array | None = None, g: Array | None = None) -> None:
         """Sets loads f (n) and gaps g (nodes x d; without HT one for each node): q := H^T K^-1 f +
@@ -272,12 +307,14 @@ class Reduction(Owner):
     @property
     def W(self) -> Vector:
         p, _ = self._contact(None)
-        return read(c_double, p.W.a, p.W.ld * self.m, self).reshape(self.m, p.W.ld).T[:self.m]
+        W = read(c_double, p.W.a, p.W.ld * self.m, self).reshape(self.m, p.W.ld).T[:self.m]
+        return W.copy() if self._surface else W
 
     @property
     def q(self) -> Vector:
         p, _ = self._contact(None)
-        return read(c_double, p.q, self.m, self).reshape(-1, self.d)
+        q = read(c_double, p.q, self.m, self).reshape(-1, self.d)
+        return q.copy() if self._surface else q
 
     def recover(self, r: Array) -> Vector:
         """Returns x = K^-1 (f + H r)."""
@@ -310,8 +347,8 @@ class Reduction(Owner):
 def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | None = None,
            mu: Array | None = None, active: Array | None = None,
            factorization: str | None = None, flexibility: bool = False, d: int | None = None,
-           memory_limit: float = 0, on: str | None = None,
-           loads: int = 1) -> Reduction:
+           memory_limit: float = 0, on: str | None = None, loads: int = 1,
+           surface: Array | None = None) -> Reduction:
     """Returns a Reduction: factorises K and forms W = H^T K^-1 H, or keeps the problem on K.
 
     K       n x n, numpy or scipy.sparse; or a function that returns K^-1 B for B (n x k), such as
@@ -326,10 +363,11 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
     on      "W": few contacts, any method, W and recover(); "K": contact over whole surfaces, bodies
             that contact alone holds, solve() by method auto; None: the lower estimated cost for
             `loads` solves, K if it is singular or W exceeds memory_limit (bytes)
+    surface unknowns that HN and HT of move() may touch, besides those of this HN and HT
     """
     if on not in (None, "W", "K"):
         raise ValueError(f"on is {on!r}, must be 'W', 'K' or None")
     place = constants["DLS_ON_EITHER" if on is None else "DLS_ON_" + on]
     return Reduction(K, HN, HT, P, mu, active, factorization, flexibility, d,
                      {"memory_limit": memory_limit, "on": place,
-                      "loads": loads})
+                      "loads": loads}, surface)
