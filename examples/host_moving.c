@@ -51,12 +51,12 @@ int main(void) {
     model.factorization = DLS_CHOLESKY;
     model.Ks = (dls_sparse){n, n, p, i, K};
     if (!moving) {
-      status = dls_reduction_create_with(&moving, &model, &settings, &error);
+      status = dls_reduction_create(&moving, &model, &settings, &error);
       if (!status) status = dls_reduction_load(moving, f, NULL, &error);
     } else
       status = dls_reduction_move(moving, &model, NULL, &error);
     if (!status) status = dls_reduction_solve(moving, mu, NULL, r, NULL, x, NULL, &error);
-    if (!status) status = dls_reduction_create(&again, &model, &error);
+    if (!status) status = dls_reduction_create(&again, &model, NULL, &error);
     if (!status) status = dls_reduction_load(again, f, NULL, &error);
     if (!status) status = dls_reduction_solve(again, mu, NULL, s, NULL, y, NULL, &error);
     for (int k = 0; k < n && !status; k++)

@@ -61,12 +61,12 @@ i, j, x = np.loadtxt(where / "job.sti", unpack=True)
 half = sp.csc_matrix((x, (j.astype(int) - 1, i.astype(int) - 1)))
 K = half + sp.tril(half, -1).T
 
-# glue
+# -> delassus
 X, dof = np.array(nodes), -np.ones((len(nodes), 3), int)
 for k, line in enumerate(open(where / "job.dof")):
     dof[tuple(int(a) - 1 for a in line.split("."))] = k
 c = delassus.pairs(X, bottom[1], faces[:below], dof=dof, base=1)
-# end of glue
+# <- delassus
 
 f = np.zeros(K.shape[0])
 for node, direction, load in loads:

@@ -57,11 +57,11 @@ for cell in range(M.topology.index_map(2).size_local):
 circle = [np.flatnonzero((abs(np.linalg.norm(X, axis=1) - b) < 1e-9) & (body == k)) for k in (1, 2)]
 inner, outer = (k[np.argsort(np.arctan2(X[k, 1], X[k, 0]))] for k in circle)
 
-# glue: the outer ring looks inwards, its edges run clockwise
+# -> delassus: the outer ring looks inwards, its edges run clockwise
 face = np.c_[np.roll(outer, -1), outer]
 nodes = delassus.pairs(X, inner, face)
 mortar = delassus.pairs(X, face=face, own=np.c_[inner, np.roll(inner, -1)])
-# end of glue
+# <- delassus
 
 lame = tight * E / b * (b * b - a * a) * (c * c - b * b) / (2 * b * b * (c * c - a * a))
 good = True

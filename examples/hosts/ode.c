@@ -1,7 +1,7 @@
 /*
  * ode.c: ODE as the host of rigid bodies. ODE has the bodies and finds the contacts; delassus
  * solves the step in place of dWorldStep. A box slides down a slope of 1:2 with friction .3, and
- * ten boxes stand upon each other. All that a host writes is between "glue" and "end of glue".
+ * ten boxes stand upon each other.
  *
  * Output:
  *   slope: 100 steps solved, speed as by hand to 1e-9: yes
@@ -27,7 +27,7 @@ static dMass m;
 
 _Static_assert(sizeof(dReal) == sizeof(double), "ODE in double precision");
 
-/* glue */
+/* -> delassus */
 static int number(dBodyID b) { return b ? (int)((dls_rigid *)dBodyGetData(b) - B) : -1; }
 static void near(void *status, dGeomID a, dGeomID b) {
   dContactGeom c[8];
@@ -53,7 +53,7 @@ static int step(void) {
   dWorldStep(world, h); /* without gravity and joints: positions alone */
   return status;
 }
-/* end of glue */
+/* <- delassus */
 
 static void ode_begin(double slope, double with_friction) {
   world = dWorldCreate();

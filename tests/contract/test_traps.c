@@ -492,7 +492,7 @@ static void run_spoiled(int spoils, double r[2][most]) {
   s.limits.progress_data = &spoils;
   memset(r[0], 0, sizeof r[0]);
   memset(r[1], 0, sizeof r[1]);
-  dls_status status = dls_reduction_create(&R, &m, NULL);
+  dls_status status = dls_reduction_create(&R, &m, NULL, NULL);
   if (!status) status = dls_reduction_load(R, f, NULL, NULL);
   if (!status) status = dls_reduction_solve(R, &mu, &s, r[0], r[0] + 2, r[0] + 4, &info, NULL);
   dls_reduction_destroy(R);

@@ -653,7 +653,7 @@ START_TEST(blocks_pressed_to_one_stress) {
   settings.limits.tol = 1e-13;
   const double mu[5] = {0};
   ck_assert_int_eq(p.candidates, 5);
-  ck_assert_int_eq(dls_reduction_create_either(&reduction, &model, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&reduction, &model, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(reduction, f, p.g, NULL), DLS_OK);
   ck_assert_int_ge(dls_reduction_solve(reduction, mu, &settings, r, u, x, NULL, NULL), 0);
   for (int c = 0; c < 5; c++)

@@ -77,7 +77,7 @@ START_TEST(every_door_refuses_it) {
                            .HN = {2, 1, p, first, one},
                            .HT = {2, 1, p, second, one}};
   double r[4] = {0}, basis[4];
-  int unknown[2], count;
+  int count;
   dls_proof proof;
   dls_sensitivity sensitivity;
   dls_diagnosis diagnosis;

@@ -96,7 +96,7 @@ static double inverse[n * n], columns[n * 64];
 /* K^-1 by a reduction that recovers unit loads. */
 static void cube_invert(const dls_model *model) {
   dls_reduction *all;
-  ck_assert_int_eq(dls_reduction_create(&all, model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&all, model, NULL, NULL), DLS_OK);
   for (int j = 0; j < n; j++) {
     memset(columns, 0, n * sizeof *columns);
     columns[j] = 1;
@@ -213,12 +213,12 @@ static void cube_walk(int kind, int with_P, int with_mu, int with_active, int fr
   dls_reduction *moved, *made;
   dls_error e;
   if (is_free) {
-    ck_assert_int_eq(dls_reduction_create(&made, &model, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_create(&made, &model, NULL, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_load(made, loads, NULL, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_recover(made, x_free, x_free, NULL), DLS_OK);
     dls_reduction_destroy(made);
   }
-  ck_assert_msg(dls_reduction_create_with(&moved, &model, &s, &e) == DLS_OK, "%s", e.message);
+  ck_assert_msg(dls_reduction_create(&moved, &model, &s, &e) == DLS_OK, "%s", e.message);
   ck_assert_int_eq(is_free ? dls_reduction_load_free(moved, x_free, NULL, NULL)
                            : dls_reduction_load(moved, loads, NULL, NULL),
                    DLS_OK);
@@ -250,7 +250,7 @@ static void cube_walk(int kind, int with_P, int with_mu, int with_active, int fr
     dls_reduction_settings plain = s;
     plain.surface_count = 0;
     plain.progress = NULL;
-    ck_assert_int_eq(dls_reduction_create_with(&made, &whole, &plain, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_create(&made, &whole, &plain, NULL), DLS_OK);
     ck_assert_int_eq(is_free ? dls_reduction_load_free(made, x_free, k % 2 ? NULL : c.g, NULL)
                              : dls_reduction_load(made, loads, k % 2 ? NULL : c.g, NULL),
                      DLS_OK);
@@ -293,7 +293,7 @@ START_TEST(surface_of_create) {
   dls_reduction *moved;
   dls_error e;
   contacts_fill(&c, &model, 12, 0);
-  ck_assert_int_eq(dls_reduction_create_either(&moved, &model, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&moved, &model, NULL, NULL), DLS_OK);
   contacts_fill(&d, &model, 5, 3);
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   contacts_fill(&d, &model, 5, 9);
@@ -312,7 +312,7 @@ START_TEST(wrong_input_changes_nothing) {
   dls_reduction *moved;
   dls_error e;
   contacts_fill(&c, &model, 6, 2);
-  ck_assert_int_eq(dls_reduction_create_with(&moved, &model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&moved, &model, &s, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(moved, loads, c.g, NULL), DLS_OK);
   static double before[n], after[n], r[18];
   ck_assert_int_eq(dls_reduction_recover(moved, r, before, NULL), DLS_OK);
@@ -353,18 +353,18 @@ START_TEST(wrong_input_changes_nothing) {
   const int beyond[] = {4, n}, below[] = {-1};
   s.surface = beyond;
   s.surface_count = 2;
-  expect_error(dls_reduction_create_with(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create_with", "surface", 1);
+  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
+               "dls_reduction_create", "surface", 1);
   s.surface = below;
   s.surface_count = 1;
-  expect_error(dls_reduction_create_with(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create_with", "surface", 0);
+  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
+               "dls_reduction_create", "surface", 0);
   s.surface = NULL;
-  expect_error(dls_reduction_create_with(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create_with", "surface", -1);
+  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
+               "dls_reduction_create", "surface", -1);
   s.surface_count = -1;
-  expect_error(dls_reduction_create_with(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create_with", "surface_count", -1);
+  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
+               "dls_reduction_create", "surface_count", -1);
 }
 END_TEST
 
@@ -374,7 +374,7 @@ START_TEST(every_failing_malloc_unwinds) {
   dls_reduction_settings s = cube_settings(cholesky);
   dls_reduction *moved;
   contacts_fill(&c, &model, 6, 2);
-  ck_assert_int_eq(dls_reduction_create_with(&moved, &model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&moved, &model, &s, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(moved, loads, c.g, NULL), DLS_OK);
   static double before[n], after[n], r[18];
   r[0] = 1;
@@ -415,7 +415,7 @@ START_TEST(joints_stay_joints) {
                      .HT = {3, 1, Tp, Ni, one}};
   dls_reduction *moved;
   dls_error e;
-  ck_assert_int_eq(dls_reduction_create(&moved, &model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_create(&moved, &model, NULL, NULL), DLS_OK);
   Ni[0] = 1;
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   Ni[0] = 2;
