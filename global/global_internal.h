@@ -83,6 +83,9 @@ dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const
 void dlsi_global_look(const dls_global *work, const double *x, double *u);
 void dlsi_global_push(const dls_global *work, const double *r, double *v);
 
+/* Returns 1 if the own deformation can be split off, and has not been. */
+int dlsi_global_can_split(const dls_global *work);
+
 /* Measures the pair (work->x, r), r round, and keeps it if it is the best so far. Returns DLS_OK if
  * it is solved, DLS_TO_ROUNDING, DLS_STALLED to go on, or dlsi_split_first. *found receives the
  * certificate. */
@@ -111,16 +114,13 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
  * again after dlsi_global_split_off. No status of the library. */
 static const dls_status dlsi_split_first = (dls_status)100;
 
-/* Returns 1 if the own deformation can be split off, and has not been. */
-int dlsi_global_can_split(const dls_global *work);
-
 /* Splits it off: f, load, gap, g, own. Spoils y and the factor of A. An error of a solve. */
 dls_status dlsi_global_split_off(dls_global *work, dls_error *error);
 
 /* Moves the rigid motions that K holds by its rounding alone out of the best pair, if rounding
- * levels need a second look, and measures it again: own and gap, g receive them, r and x the pair. Returns
- * `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there. Spoils y and the
- * factor of A. */
+ * levels need a second look, and measures it again: own and gap, g receive them, r and x the pair.
+ * Returns `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there. Spoils y
+ * and the factor of A. */
 dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *error);
 
 /* ---- splitting.c ----------------------------------------------------------------------------- */

@@ -18,11 +18,6 @@
 
 static const double host_accuracy = 1e-6; /* of a solve of (OW1), which gains that much a step */
 
-int dlsi_global_can_split(const dls_global *work) {
-  return !work->is_split && !work->body.joint && work->m > 0 &&
-         (work->body.model || work->body.multiply);
-}
-
 static dls_status loads_solve(void *data, double *x, dls_error *error) {
   dls_global *work = data;
   if (work->system) return dlsi_system_solve(work->system, x, error);

@@ -90,17 +90,22 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   return DLS_OK;
 }
 
+int dlsi_global_can_split(const dls_global *work) {
+  return !work->is_split && !work->body.joint && work->m > 0 &&
+         (work->body.model || work->body.multiply);
+}
+
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found) {
   for (int k = 0; k < work->m; k++)
     work->trial[k] = r[k] / work->root[k];
   dlsi_body_measure(&work->body, work->load, work->gap, work->mu, work->trial, work->x, work->look,
                     work->scratch, found);
   const double tol = work->limits->tol;
-  dls_status verdict = dls_certificate_verdict(found, tol);
+  dls_status verdict = dlsi_certificate_verdict(found, tol);
   if (verdict == DLS_STALLED && dlsi_global_can_split(work)) { /* (LO1) */
     dls_certificate loose = *found;
     dlsi_forces_loose(&work->body, work->scratch, &loose);
-    const dls_status then = dls_certificate_verdict(&loose, tol);
+    const dls_status then = dlsi_certificate_verdict(&loose, tol);
     if (then != DLS_STALLED && (work->system || dlsi_max_abs(r, (size_t)work->m) > 0))
       return dlsi_split_first;
     if (then != DLS_STALLED) { /* a host's solver holds the bodies: all contacts are open */

@@ -169,12 +169,12 @@ static dls_status kept_solve(void *data, double *x, dls_error *error) {
 static int kept_is_open(dlsi_kept *kept, const double *r, double tol, int regular,
                         const dls_certificate *found) {
   const size_t m = (size_t)kept->body.d * (size_t)kept->body.nc;
-  const dls_status verdict = dls_certificate_verdict(found, tol);
+  const dls_status verdict = dlsi_certificate_verdict(found, tol);
   if (4 * found->floor_e > fmax(tol, 1e-8)) return 1;
   if (verdict != DLS_STALLED) return 0;
   dls_certificate loose = *found;
   dlsi_forces_loose(&kept->body, kept->scratch, &loose);
-  if (dls_certificate_verdict(&loose, tol) == DLS_STALLED) return 0;
+  if (dlsi_certificate_verdict(&loose, tol) == DLS_STALLED) return 0;
   return !regular || dlsi_max_abs(r, m) > 0;
 }
 

@@ -233,7 +233,7 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
 static dls_status judge_body(const dls_certificate *c, double asked, double condition,
                              dls_status status) {
   const double tol = fmax(asked, fmin(DBL_EPSILON * condition, 1e-8));
-  const dls_status verdict = dls_certificate_verdict(c, tol);
+  const dls_status verdict = dlsi_certificate_verdict(c, tol);
   if (verdict != DLS_STALLED && status != DLS_NO_SOLUTION) return verdict;
   if (status != DLS_OK && status != DLS_TO_ROUNDING) return status;
   return c->equilibrium <= dlsi_target(tol, c->floor_e) ? DLS_STALLED : DLS_NOT_IN_EQUILIBRIUM;

@@ -38,8 +38,8 @@ void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *res
 dls_status dlsi_own_land(const dlsi_own *of, double *x, double *g, dls_error *error);
 
 /* Measures the pair (x, r) on the split problem, as dlsi_body_measure, after dlsi_own_land. What
- * the rounding of x makes of forces, up to 4 eps |K||x| in each row, counts as the displacement that
- * it is. u: H^T x + g, m. Errors of dlsi_own_split. */
+ * the rounding of x makes of forces, up to 4 eps |K||x| in each row, counts as the displacement
+ * that it is. u: H^T x + g, m. Errors of dlsi_own_split. */
 dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g, const double *mu,
                             const double *r, const double *x, double *u, double *work,
                             dls_certificate *certificate, dls_error *error);

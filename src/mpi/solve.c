@@ -220,10 +220,10 @@ static dls_status measure_pair(dls_mpi_reduction *work, const double *mu, const 
                                dls_error *error) {
   const dlsi_body *body = &work->body.body;
   dlsi_body_measure(body, work->f, work->gap, mu, r, x, u, work->body.scratch, found);
-  if (body->joint || dls_certificate_verdict(found, tol) != DLS_STALLED) return DLS_OK;
+  if (body->joint || dlsi_certificate_verdict(found, tol) != DLS_STALLED) return DLS_OK;
   dls_certificate loose = *found;
   dlsi_forces_loose(body, work->body.scratch, &loose);
-  if (dls_certificate_verdict(&loose, tol) == DLS_STALLED) return DLS_OK;
+  if (dlsi_certificate_verdict(&loose, tol) == DLS_STALLED) return DLS_OK;
   if (dlsi_max_abs(r, (size_t)work->of.m) == 0) {
     *found = loose;
     return DLS_OK;
