@@ -12,7 +12,8 @@
  *   - with all of these joints (model.h), redundant ones too
  *
  * The answer is the pair (x, r). Its certificate has three parts: positions, forces, and the
- * equilibrium of each connected body.
+ * equilibrium of each connected body. Loads that balance in themselves are split off where they
+ * would hide an error (docs/certificate.md); the certificate is then that of the split problem.
  */
 #ifndef DELASSUS_GLOBAL_H
 #define DELASSUS_GLOBAL_H

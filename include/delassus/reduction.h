@@ -196,13 +196,18 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, 
  *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
  *   weights                  the compliance of the contact node with its neighbours held, from K
  *   |q|                      sqrt( |H^T x|^2 + |g|^2 + |D r|^2 ) of the contacts that touch
- *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H||r|);
- *                            with joints, for each body separately with |G l| added, and for
- *                            the joints |G^T x - b| over lengths
+ *   equilibrium              max over connected bodies of |K x - f - H r| over
+ *                            |H||r| + min(|f|, 100 |H||r|); with joints, for each body separately
+ *                            over |f| + |H||r| + |G l|, and for the joints |G^T x - b| over lengths
+ *
+ * If that is above 1e-8 only because loads balance in themselves (heat, pressure, bolts,
+ * penalties), or if the rounding level is, x and f are taken without the body's own deformation
+ * x_own (docs/certificate.md): K y = f' + H r, y = x - x_own, u = H^T y + g'. This needs a factor of
+ * K with weak contacts, which is kept.
  *
  * mu as in dls_reduction_contact. If K is a flexibility or a host's solver, equilibrium is 0 and
  * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and
- * H). Errors of dls_reduction_recover. */
+ * H), or a factor. Errors of dls_reduction_recover, and DLS_E_MEMORY, DLS_E_SINGULAR. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu,
                                                       const double *r, const double *x, double *u,
                                                       dls_certificate *certificate,

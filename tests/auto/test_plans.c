@@ -203,8 +203,8 @@ static dls_status follow_load(const dls_solver_settings *s, double *u, dls_info 
   return status;
 }
 
-/* Every word of a plan with every step left out, warm and cold: a NULL for u or info changes no
- * bit of r. */
+/* Every word of a plan with every step left out, warm and cold: a NULL for u changes no bit of r,
+ * and one for info not how the solve ends (solve.h: it is not improved by its predicted error). */
 START_TEST(outputs_that_nobody_wants) {
   enum { names = DLS_STEP_ON_K + 1, more = 4 };
   const char *plans[names + more] = {"homotopy,scatter", "sweeps:1,scatter",
@@ -225,8 +225,9 @@ START_TEST(outputs_that_nobody_wants) {
         s.limits.warm_start = warm;
         const dls_status status = follow_load(&s, u, &info, all[0]);
         ck_assert_int_ge(status, 0);
-        for (int k = 0; k < 3; k++) {
-          ck_assert_int_eq(follow_load(&s, k & 1 ? u : NULL, k & 2 ? &info : NULL, all[1]), status);
+        for (int k = 0; k < 2; k++) {
+          ck_assert_int_eq(follow_load(&s, u, k ? &info : NULL, all[0]), status);
+          ck_assert_int_eq(follow_load(&s, NULL, k ? &info : NULL, all[1]), status);
           ck_assert_mem_eq(all[0], all[1], sizeof all[0]);
         }
       }

@@ -11,6 +11,7 @@
 
 #include "delassus.h"
 #include "run.h"
+#include "solids.h"
 
 enum { most_bodies = 12, most_contacts = 40, most = 3 * most_bodies };
 
@@ -177,7 +178,115 @@ START_TEST(grasp) {
 }
 END_TEST
 
+/* Solves `model` for f; r: 2 contacts, x: n. */
+static dls_status solve_for(const dls_model *model, const double *f, double friction, double *r,
+                            double *x, dls_certificate *again) {
+  dls_reduction *reduction;
+  dls_error e;
+  double mu[64];
+  for (int c = 0; c < model->nodes; c++)
+    mu[c] = friction;
+  dls_status status = dls_reduction_create(&reduction, model, NULL, &e);
+  if (!status) status = dls_reduction_load(reduction, f, NULL, &e);
+  ck_assert_msg(status == DLS_OK, "%s", e.message);
+  status = dls_reduction_solve(reduction, mu, NULL, r, NULL, x, NULL, &e);
+  ck_assert_int_eq(dls_reduction_certify(reduction, mu, r, x, NULL, again, NULL), DLS_OK);
+  dls_reduction_destroy(reduction);
+  return status;
+}
+
+/* A free block on a table, of 4 x 4 squares, its weight 1e-3, pushed sideways by `push` of what
+ * friction holds. Heat expands it freely by (x, y) h: f = h K (x, y), which balances in itself and
+ * is up to 1e8 times the weight. */
+START_TEST(warm_block) {
+  static const double pushes[] = {0, .5, .9, .99, 1.01, 1.3}, heats[] = {0, 1, 1e2, 1e4, 1e5};
+  const double push = pushes[_i % 6], heat = heats[_i / 6] * 1e-3, mu = .3;
+  solids S;
+  solids_stack(&S, 2, 1, 4, push);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes;
+  double *x = calloc(4 * (size_t)n, sizeof *x), *free_x = x + n, *f = free_x + n, *R = f + n, r[64];
+  for (int k = 0; k < n / 2; k++) {
+    free_x[2 * k] = heat * (k % 5);
+    free_x[2 * k + 1] = heat * (k / 5);
+  }
+  solids_apply(model, R, free_x, f);
+  for (int k = 0; k < n; k++)
+    f[k] += S.f[k];
+  dls_certificate again;
+  const dls_status status = solve_for(model, f, mu, r, x, &again);
+  if (push < 1) {
+    ck_assert_msg(dls_solved(status), "%d: push %g heat %g", status, push, heat);
+    ck_assert_double_eq_tol(sum(r, 0, nc, 0), 1e-3, 1e-3 * 1e-6);
+    ck_assert_double_eq_tol(sum(r, 0, nc, 1), -push * mu * 1e-3, 1e-3 * 1e-6);
+    ck_assert(dls_certificate_verdict(&again, 1e-8) != DLS_STALLED);
+  } else
+    ck_assert_msg(!dls_solved(status), "%d: push %g heat %g", status, push, heat);
+  free(x);
+  solids_free(&S);
+}
+END_TEST
+
+/* A wrong reaction, by 1e-5 of the weight, and a body that flies are seen behind the heat. */
+START_TEST(wrong_behind_heat) {
+  solids S;
+  solids_stack(&S, 2, 1, 4, 0);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes;
+  double *x = calloc(4 * (size_t)n, sizeof *x), *free_x = x + n, *f = free_x + n, *R = f + n, r[64];
+  for (int k = 0; k < n; k++)
+    free_x[k] = 10 * (k % 2 ? k / 2 / 5 : k / 2 % 5);
+  solids_apply(model, R, free_x, f);
+  for (int k = 0; k < n; k++)
+    f[k] += S.f[k];
+  dls_certificate again;
+  dls_reduction *reduction;
+  double mu[64];
+  ck_assert(dls_solved(solve_for(model, f, .3, r, x, &again)));
+  for (int c = 0; c < nc; c++)
+    mu[c] = .3;
+  ck_assert(!dls_reduction_create(&reduction, model, NULL, NULL));
+  ck_assert(!dls_reduction_load(reduction, f, NULL, NULL));
+  r[0] += 1e-5 * 1e-3;
+  ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &again, NULL));
+  ck_assert_int_eq(dls_certificate_verdict(&again, 1e-8), DLS_STALLED);
+  ck_assert_double_eq_tol(again.unbalanced, 1e-8, 1e-9);
+  memset(r, 0, sizeof r); /* it hovers */
+  for (int k = 0; k < n; k++)
+    x[k] = free_x[k] + (k % 2 ? 1 : 0);
+  ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &again, NULL));
+  ck_assert_int_eq(dls_certificate_verdict(&again, 1e-8), DLS_STALLED);
+  dls_reduction_destroy(reduction);
+  free(x);
+  solids_free(&S);
+}
+END_TEST
+
+/* A bar of stiffness k, one end put to v by a penalty P on the diagonal of K, the other pressed onto
+ * the ground: r = k (-v) - w, for a penalty of any size. */
+START_TEST(penalty) {
+  static const double sizes[] = {1e8, 1e10, 1e12, 1e14, 1e16, 1e20, 1e25, 1e30};
+  const double k = 3, v = -.01, w = .002, P = sizes[_i];
+  const double K[4] = {k + P, -k, -k, k}, f[2] = {P * v, w}, one[1] = {1};
+  const int p[] = {0, 1}, none[] = {0, 0}, row[] = {1};
+  const dls_model model = {.d = 2,
+                           .n = 2,
+                           .nodes = 1,
+                           .operator_kind = DLS_STIFFNESS_DENSE,
+                           .factorization = DLS_CHOLESKY,
+                           .K = {2, 2, 2, K},
+                           .HN = {2, 1, p, row, one},
+                           .HT = {2, 1, none, row, one}};
+  double r[2], x[2];
+  dls_certificate again;
+  ck_assert_int_eq(solve_for(&model, f, 0, r, x, &again), DLS_OK);
+  ck_assert_double_eq_tol(r[0], -k * v - w, 1e-7 + 1e2 / P);
+  ck_assert_int_eq(dls_certificate_verdict(&again, 1e-8), DLS_OK);
+}
+END_TEST
+
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
-             EACH(grasp, 0, 4));
+             EACH(grasp, 0, 4), EACH(warm_block, 0, 30), ONCE(wrong_behind_heat),
+             EACH(penalty, 0, 8));
 }
