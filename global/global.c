@@ -152,11 +152,11 @@ static void global_take(dls_global *work, matrices *from) {
 
 static void global_carve(dls_global *work, dlsi_arena *arena) {
   const size_t n = (size_t)work->n, m = (size_t)work->m, nc = (size_t)work->nc;
-  double **const of_m[] = {&work->gap,    &work->g,     &work->q,    &work->r,
-                           &work->z,      &work->p,     &work->u,    &work->before,
-                           &work->best_r, &work->trial, &work->look, &work->R};
-  double **const of_n[] = {&work->motion, &work->x,        &work->y,     &work->f,
-                           &work->own,    &work->balanced, &work->best_x};
+  double **const of_m[] = {&work->gap,  &work->g, &work->q,      &work->r,      &work->z,
+                           &work->p,    &work->u, &work->before, &work->best_r, &work->trial,
+                           &work->look, &work->R, &work->blur};
+  double **const of_n[] = {&work->motion, &work->x,      &work->y,        &work->f,
+                           &work->own,    &work->flight, &work->balanced, &work->best_x};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof(double));
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
@@ -377,8 +377,9 @@ static void solve_begin(dls_global *work, const double *f, const double *g, cons
   for (int k = 0; k < work->n; k++)
     work->x[k] = warm ? x[k] : 0;
   memset(work->own, 0, (size_t)work->n * sizeof *work->own);
+  memset(work->flight, 0, (size_t)work->n * sizeof *work->flight);
   work->is_split = 0;
-  work->body.balanced = NULL;
+  work->body.balanced = work->body.blur = NULL;
   work->iterations = work->factorisations = work->moves = 0;
   work->best = (dls_certificate){.residual = INFINITY, .body = -1};
 }
@@ -388,12 +389,17 @@ static int solve_failed(dls_status status) {
   return status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM || status == DLS_MAX_ITERATIONS;
 }
 
-/* Solves, and goes on where an answer holds only by a flight (LO3). */
+/* Solves, and goes on where an answer holds only by a flight (LO3), unless a motion proves that there
+ * is none. */
 static dls_status solve_and_land(dls_global *work, int most, dls_error *error) {
   dls_status status = DLS_OK;
   for (int turn = 0; turn < most_landings; turn++) {
+    int proved = 0;
     status = dlsi_global_land(work, dlsi_global_split(work, most, error), error);
     if (status != DLS_NOT_IN_EQUILIBRIUM || !work->is_split) break;
+    const dls_status tried =
+        turn == 0 && work->system ? dlsi_global_prove(work, &proved, error) : DLS_OK;
+    if (tried || proved) return tried ? tried : DLS_NO_SOLUTION;
   }
   return status;
 }
@@ -428,6 +434,7 @@ static dls_status solve_split(dls_global *work, dls_error *error) {
     memcpy(work->best_x, kept, n * sizeof *kept);
     memcpy(work->best_r, kept + n, m * sizeof *kept);
     memset(work->own, 0, n * sizeof *work->own);
+    memset(work->flight, 0, n * sizeof *work->flight);
     work->is_split = 0;
     then = dlsi_global_verdict(work, solve_failed(status) ? status : then);
   }
@@ -449,7 +456,7 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
   if (status < 0) return status;
   if (work->m > 0) memcpy(r, work->best_r, (size_t)work->m * sizeof *r);
   for (int j = 0; j < work->n; j++)
-    x[j] = work->best_x[j] + work->own[j];
+    x[j] = work->best_x[j] + work->own[j] + work->flight[j];
   if (info)
     *info = (dls_info){.status = status,
                        .method = DLS_ADMM,

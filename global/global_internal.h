@@ -59,7 +59,8 @@ struct dls_global {
   double *x, *y;           /* n: unknowns; right side and solution */
   double *u;               /* m: H^T x + g */
   double *own;             /* n: the body's own deformation, split off; 0 before */
-  double *balanced;        /* parts, of body, once split */
+  double *flight;          /* n: motions that K holds by its rounding alone, moved into gap */
+  double *balanced, *blur; /* parts, m: of body, once split */
   int is_split;            /* 1: f, load, gap, g are of the split problem, x and best_x its y */
   double *best_r, *best_x; /* as the caller has them: m, n */
   double *trial, *look;    /* m: r, u as the caller has them */
@@ -118,7 +119,7 @@ static const dls_status dlsi_split_first = (dls_status)100;
 dls_status dlsi_global_split_off(dls_global *work, dls_error *error);
 
 /* Moves the rigid motions that K holds by its rounding alone out of the best pair, if rounding
- * levels need a second look, and measures it again: own and gap, g receive them, r and x the pair.
+ * levels need a second look, and measures it again: flight and gap, g receive them, r and x the pair.
  * Returns `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there. Spoils y
  * and the factor of A. */
 dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *error);

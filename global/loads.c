@@ -7,8 +7,8 @@
  *   (LO2)  B = (K + eps H_p H_p^T + E)^-1, summed over bodies p, round variables: each side of a
  *          contact is held by itself, or f' of a light body would carry the weight of its
  *          neighbours. It has the pattern of A. A host's solver holds both sides together.
- *   (LO3)  If the rounding level of equilibrium is above tol / 4, the best pair is measured once
- *          more without rigid motions (OW5).
+ *   (LO3)  If 4 times the rounding level of equilibrium is above tol and 1e-8, the best pair is
+ *          measured once more without rigid motions (OW5).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -51,6 +51,8 @@ dls_status dlsi_global_split_off(dls_global *work, dls_error *error) {
     dlsi_own_balanced(&work->body, work->f, rest, work->balanced);
     memcpy(work->f, rest, n * sizeof *work->f);
     work->body.balanced = work->balanced;
+    dlsi_own_blur(&work->body, x, rest, work->blur); /* rest is spent */
+    work->body.blur = work->blur;
   }
   const dls_sparse *Ht = &work->body.Ht;
   for (size_t j = 0; !status && j < n; j++) {
@@ -73,14 +75,14 @@ dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *err
   const dlsi_own of = {&work->body, loads_solve, work};
   const double tol = work->limits->tol;
   if ((verdict != DLS_OK && verdict != DLS_TO_ROUNDING) || work->body.joint || work->m == 0 ||
-      !(4 * work->best.floor_e > tol))
+      !(4 * work->best.floor_e > fmax(tol, 1e-8)))
     return verdict;
   memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
   dls_status status = loads_factor(work, error);
   if (!status) status = dlsi_own_land(&of, work->x, work->gap, error);
   if (status) return status;
   for (int j = 0; j < work->n; j++) {
-    work->own[j] += work->best_x[j] - work->x[j];
+    work->flight[j] += work->best_x[j] - work->x[j];
     work->f[j] = work->load ? work->load[j] : 0;
   }
   for (int k = 0; k < work->m; k++) {

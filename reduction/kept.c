@@ -165,17 +165,14 @@ static dls_status kept_solve(void *data, double *x, dls_error *error) {
   return dlsi_system_solve(((dlsi_kept *)data)->system, x, error);
 }
 
-/* Returns 1 if a second look may show that the pair holds, or that it does not. */
-static int kept_is_open(dlsi_kept *kept, const double *r, double tol, int regular,
-                        const dls_certificate *found) {
-  const size_t m = (size_t)kept->body.d * (size_t)kept->body.nc;
-  const dls_status verdict = dlsi_certificate_verdict(found, tol);
-  if (4 * found->floor_e > fmax(tol, 1e-8)) return 1;
-  if (verdict != DLS_STALLED) return 0;
+/* Returns 1 if a second look may show that the pair holds, or that it does not. regular: nothing
+ * flies, and x has no coarse rounding. */
+static int kept_is_open(dlsi_kept *kept, double tol, int regular, const dls_certificate *found) {
+  if (!regular && 4 * found->floor_e > fmax(tol, 1e-8)) return 1;
+  if (dlsi_certificate_verdict(found, tol) != DLS_STALLED) return 0;
   dls_certificate loose = *found;
   dlsi_forces_loose(&kept->body, kept->scratch, &loose);
-  if (dlsi_certificate_verdict(&loose, tol) == DLS_STALLED) return 0;
-  return !regular || dlsi_max_abs(r, m) > 0;
+  return dlsi_certificate_verdict(&loose, tol) != DLS_STALLED;
 }
 
 dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const double *mu,
@@ -184,16 +181,16 @@ dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const doub
   const dlsi_body *body = dlsi_kept_body(kept);
   dls_certificate found;
   dlsi_body_measure(body, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found);
-  if (kept->has_K && !body->joint) {
-    if (kept_is_open(kept, r, tol, regular, &found)) {
-      const dlsi_own of = {body, kept_solve, kept};
-      dls_status status = kept_factor(kept, H, error);
-      if (!status)
-        status = dlsi_own_measure(&of, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found,
-                                  error);
-      if (status) return status;
-    } else if (regular && dlsi_max_abs(r, (size_t)H->d * (size_t)H->candidates) == 0)
-      dlsi_forces_loose(body, kept->scratch, &found);
+  const int none = dlsi_max_abs(r, (size_t)H->d * (size_t)H->candidates) == 0;
+  if (kept->has_K && regular && none)
+    dlsi_forces_loose(body, kept->scratch, &found); /* K x = f alone */
+  else if (kept->has_K && !body->joint && kept_is_open(kept, tol, regular, &found)) {
+    const dlsi_own of = {body, kept_solve, kept};
+    dls_status status = kept_factor(kept, H, error);
+    if (!status)
+      status = dlsi_own_measure(&of, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found,
+                                error);
+    if (status) return status;
   }
   *certificate = found;
   return DLS_OK;

@@ -14,7 +14,9 @@
  *
  *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
  *          |H||r| in the body: if loads balance without the contacts, reactions are rounding, and
- *          so is their error. The rounding of one unknown affects the whole body
+ *          so is their error. The rounding of one unknown affects the whole body. So is an F_c of
+ *          no more than 4 eps times the positions split off (body->blur). Where r_c is more than
+ *          that, it enters floor_r
  *
  * The weights are local: the compliance of the whole body on soft supports would contain the motion
  * of the body. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
@@ -212,8 +214,10 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
       of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * most[body->part[j]];
-  for (size_t k = 0; k < m; k++)
+  for (size_t k = 0; k < m; k++) {
     of->hidden[k] *= 4 * DBL_EPSILON * body->w[2 * (k / d) + (k % d > 0)];
+    if (body->blur) of->hidden[k] += 4 * DBL_EPSILON * body->blur[k];
+  }
 }
 
 void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, const double *mu,
@@ -229,7 +233,7 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
   dls_certificate found;
   for (size_t k = 0; k < m; k++) {
     u[k] = g ? g[k] : 0;
-    of.ut[k] = fabs(u[k]);
+    of.ut[k] = fabs(u[k]) + (body->blur ? body->blur[k] : 0);
   }
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {

@@ -262,6 +262,23 @@ void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *res
     if (rest[j] != 0) balanced[body->part[j]] = 0;
 }
 
+void dlsi_own_blur(const dlsi_body *body, const long double *x, double *parts, double *blur) {
+  const dls_sparse *Ht = &body->Ht;
+  memset(parts, 0, (size_t)body->parts * sizeof *parts);
+  memset(blur, 0, (size_t)body->d * (size_t)body->nc * sizeof *blur);
+  for (int turn = 0; turn < 2; turn++)
+    for (int j = 0; j < body->n; j++) {
+      double *most = &parts[body->part[j]];
+      for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
+        const double u = fabs(Ht->x[k]) * (double)fabsl(x[j]);
+        if (turn)
+          blur[Ht->i[k]] = fmax(blur[Ht->i[k]], *most);
+        else
+          *most = fmax(*most, u);
+      }
+    }
+}
+
 dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g, const double *mu,
                             const double *r, const double *x, double *u, double *work,
                             dls_certificate *certificate, dls_error *error) {
@@ -269,11 +286,11 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
   const size_t n = (size_t)body->n, m = (size_t)body->d * (size_t)body->nc;
   own_arrays w;
   long double *own = malloc((n + 1) * sizeof *own);
-  double *rest = dlsi_alloc(3 * n + m + (size_t)body->parts, sizeof *rest);
+  double *rest = dlsi_alloc(3 * n + 2 * m + (size_t)body->parts, sizeof *rest);
   dls_status status = own_arrays_create(&w, of, error);
   if (!status && !(own && rest)) status = dlsi_no_memory(error);
   if (!status) {
-    double *y = rest + n, *e = y + n, *gap = e + n, *balanced = gap + m;
+    double *y = rest + n, *e = y + n, *gap = e + n, *blur = gap + m, *balanced = blur + m;
     dlsi_body split = *body;
     if (f)
       memcpy(w.f, f, n * sizeof *f);
@@ -283,6 +300,7 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
       gap[k] = g ? g[k] : 0;
     status = dlsi_own_split(of, w.f, own, rest, error);
     if (!status) {
+      dlsi_own_blur(body, own, w.sums, blur);
       dlsi_own_balanced(body, w.f, rest, balanced);
       own_look(body, own, gap);
       for (size_t j = 0; j < n; j++)
@@ -292,6 +310,7 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
     if (!status) status = own_mend(&w, rest, r, x, y, e, own, error);
     if (!status) {
       split.balanced = balanced;
+      split.blur = blur;
       dlsi_body_measure(&split, rest, gap, mu, r, y, u, work, certificate);
       for (size_t k = 0; k < m; k++)
         u[k] = g ? g[k] : 0;

@@ -32,6 +32,10 @@ dls_status dlsi_own_split(const dlsi_own *of, const double *load, long double *x
 void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *rest,
                        double *balanced);
 
+/* blur := for each row of H^T, the largest position that x_own has at a contact of its bodies.
+ * x: n, x_own; parts: scratch, parts; blur: m. */
+void dlsi_own_blur(const dlsi_body *body, const long double *x, double *parts, double *blur);
+
 /* Takes the rigid motion out of x that K holds only by its own rounding, by bodies: x := the
  * elastic part of x, g := g + H^T of what is taken out. Then K x has no forces of rounding, and
  * rounding levels no motion. x: n, length; g: m. Errors of dlsi_own_split. */
