@@ -202,8 +202,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, 
  *
  * If that is above 1e-8 only because loads balance in themselves (heat, pressure, bolts,
  * penalties), or if the rounding level is, x and f are taken without the body's own deformation
- * x_own (docs/certificate.md): K y = f' + H r, y = x - x_own, u = H^T y + g'. This needs a factor of
- * K with weak contacts, which is kept.
+ * x_own (docs/certificate.md): K y = f' + H r, y = x - x_own, u = H^T y + g'. This needs a factor
+ * of K with weak contacts, which is kept.
  *
  * mu as in dls_reduction_contact. If K is a flexibility or a host's solver, equilibrium is 0 and
  * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and

@@ -348,8 +348,8 @@ static inline void measure_laws(int d, const dlsi_laws *of, int k, double larges
     raise_to(&c->slip_direction, ut);
 }
 
-/* Sets the F of contact k to 0 if it is no more than `hidden`. Returns the square of what that hides
- * of reactions that are more, over eps. */
+/* Sets the F of contact k to 0 if it is no more than `hidden`. Returns the square of what that
+ * hides of reactions that are more, over eps. */
 static inline double hide_rounding(int d, const dlsi_laws *of, int k, size_t o) {
   const double *w = of->w + 2 * (size_t)k;
   double size = 0;

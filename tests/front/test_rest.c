@@ -262,8 +262,8 @@ START_TEST(wrong_behind_heat) {
 }
 END_TEST
 
-/* A bar of stiffness k, one end put to v by a penalty P on the diagonal of K, the other pressed onto
- * the ground: r = k (-v) - w, for a penalty of any size. */
+/* A bar of stiffness k, one end put to v by a penalty P on the diagonal of K, the other pressed
+ * onto the ground: r = k (-v) - w, for a penalty of any size. */
 START_TEST(penalty) {
   static const double sizes[] = {1e8, 1e10, 1e12, 1e14, 1e16, 1e20, 1e25, 1e30};
   const double k = 3, v = -.01, w = .002, P = sizes[_i];
