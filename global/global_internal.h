@@ -119,9 +119,9 @@ static const dls_status dlsi_split_first = (dls_status)100;
 dls_status dlsi_global_split_off(dls_global *work, dls_error *error);
 
 /* Moves the rigid motions that K holds by its rounding alone out of the best pair, if rounding
- * levels need a second look, and measures it again: flight and gap, g receive them, r and x the pair.
- * Returns `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there. Spoils y
- * and the factor of A. */
+ * levels need a second look, and measures it again: flight and gap, g receive them, r and x the
+ * pair. Returns `verdict`, that of the new measure, or DLS_NOT_IN_EQUILIBRIUM: go on from there.
+ * Spoils y and the factor of A. */
 dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *error);
 
 /* ---- splitting.c ----------------------------------------------------------------------------- */

@@ -153,8 +153,8 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, cons
 
 /* Certifies the pair (x, r) for the body and the last load, as dls_reduction_certify: positions,
  * forces, and |K x - f - H r| over |H||r| + min(|f|, 100 |H||r|) of each connected body, without
- * what f alone does to the body where that is needed (docs/certificate.md); dls_certificate_holds and
- * dls_certificate_verdict read it. mu: nodes of this rank; r: d nodes; x: rows; u: receives
+ * what f alone does to the body where that is needed (docs/certificate.md); dls_certificate_holds
+ * and dls_certificate_verdict read it. mu: nodes of this rank; r: d nodes; x: rows; u: receives
  * H^T x + g, d nodes, or NULL. *certificate is equal on all ranks; its `worst` and `body` count
  * through the ranks. One product with K; takes n + 3 m doubles on every rank. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_certify(dls_mpi_reduction *reduction, const double *mu,
