@@ -389,8 +389,8 @@ static int solve_failed(dls_status status) {
   return status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM || status == DLS_MAX_ITERATIONS;
 }
 
-/* Solves, and goes on where an answer holds only by a flight (LO3), unless a motion proves that there
- * is none. */
+/* Solves, and goes on where an answer holds only by a flight (LO3), unless a motion proves that
+ * there is none. */
 static dls_status solve_and_land(dls_global *work, int most, dls_error *error) {
   dls_status status = DLS_OK;
   for (int turn = 0; turn < most_landings; turn++) {
