@@ -165,10 +165,9 @@ static dls_status kept_solve(void *data, double *x, dls_error *error) {
   return dlsi_system_solve(((dlsi_kept *)data)->system, x, error);
 }
 
-/* Returns 1 if a second look may show that the pair holds, or that it does not. regular: nothing
- * flies, and x has no coarse rounding. */
-static int kept_is_open(dlsi_kept *kept, double tol, int regular, const dls_certificate *found) {
-  if (!regular && 4 * found->floor_e > fmax(tol, 1e-8)) return 1;
+/* Returns 1 if a second look may show that the pair holds, or that it does not. */
+static int kept_is_open(dlsi_kept *kept, double tol, const dls_certificate *found) {
+  if (4 * found->floor_e > fmax(tol, 1e-8)) return 1;
   if (dlsi_certificate_verdict(found, tol) != DLS_STALLED) return 0;
   dls_certificate loose = *found;
   dlsi_forces_loose(&kept->body, kept->scratch, &loose);
@@ -184,7 +183,7 @@ dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const doub
   const int none = dlsi_max_abs(r, (size_t)H->d * (size_t)H->candidates) == 0;
   if (kept->has_K && regular && none)
     dlsi_forces_loose(body, kept->scratch, &found); /* K x = f alone */
-  else if (kept->has_K && !body->joint && kept_is_open(kept, tol, regular, &found)) {
+  else if (kept->has_K && !body->joint && kept_is_open(kept, tol, &found)) {
     const dlsi_own of = {body, kept_solve, kept};
     dls_status status = kept_factor(kept, H, error);
     if (!status)

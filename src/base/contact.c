@@ -348,21 +348,12 @@ static inline void measure_laws(int d, const dlsi_laws *of, int k, double larges
     raise_to(&c->slip_direction, ut);
 }
 
-/* Sets the F of contact k to 0 if it is no more than `hidden`. Returns the square of what that
- * hides of reactions that are more, over eps. */
-static inline double hide_rounding(int d, const dlsi_laws *of, int k, size_t o) {
-  const double *w = of->w + 2 * (size_t)k;
-  double size = 0;
-  for (int i = 0; i < d; i++) {
-    const double F = fabs(of->F[o + (size_t)i]);
-    if (!(F <= of->hidden[o + (size_t)i])) return 0;
-    if (w[i > 0] * fabs(of->r[o + (size_t)i]) <= of->hidden[o + (size_t)i]) continue;
-    const double force = F / w[i > 0] / (4 * DBL_EPSILON);
-    size += force * force;
-  }
+/* Sets the F of contact k to 0 if it is no more than `hidden`. */
+static inline void hide_rounding(int d, const dlsi_laws *of, size_t o) {
+  for (int i = 0; i < d; i++)
+    if (!(fabs(of->F[o + (size_t)i]) <= of->hidden[o + (size_t)i])) return;
   for (int i = 0; i < d; i++)
     of->F[o + (size_t)i] = 0;
-  return size;
 }
 
 /* Computes F and the fields of c from penetration on. d is a parameter, so that the compiler knows
@@ -382,7 +373,7 @@ static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certifi
       continue;
     }
     const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, rc, uc, Fc);
-    if (of->hidden) sums.rounded_force += hide_rounding(d, of, k, o);
+    if (of->hidden) hide_rounding(d, of, o);
     magnitudes(d, of, k, state, x);
     sums.touches += state != DLS_FREE;
     for (int i = 0; i < d; i++) {

@@ -91,33 +91,35 @@ static void choose_powers(dlsi_units *units, const dls_contact *problem) {
   units->q = plain ? 0 : q;
 }
 
-/* Copies the values of W, weights and q. Returns 0 if one of them leaves the range of numbers. */
+/* Copies the values of W, weights and q. Returns 0 if one of them leaves the range of
+ * numbers, or loses bits at its lower end. */
 static int copy_values(dlsi_units *units, const dls_contact *given, size_t values) {
   const size_t d = (size_t)given->d, nc = (size_t)given->nc, m = d * nc;
   double *W = units->values, *q = W + values, *weights = q + m;
   dls_contact *copy = &units->problem;
+  int exact = 1;
   *copy = *given;
   if (given->bodies.H) {
     const size_t size = (size_t)given->bodies.n * d;
     memset(W, 0, values * sizeof *W); /* H of a fixed body is not read */
     for (size_t k = 0; k < 2 * nc; k++)
       if (given->bodies.body[k] >= 0)
-        dlsi_shift(size, -units->W / 2, given->bodies.H + k * size, W + k * size);
+        exact &= dlsi_shift_exactly(size, -units->W / 2, given->bodies.H + k * size, W + k * size);
     copy->bodies.H = W;
   } else if (given->Wb.x) {
-    dlsi_shift(values, -units->W, given->Wb.x, W);
+    exact &= dlsi_shift_exactly(values, -units->W, given->Wb.x, W);
     copy->Wb.x = W;
   } else {
     for (size_t j = 0; j < m; j++)
-      dlsi_shift(m, -units->W, given->W.a + j * (size_t)given->W.ld, W + j * m);
+      exact &= dlsi_shift_exactly(m, -units->W, given->W.a + j * (size_t)given->W.ld, W + j * m);
     copy->W = (dls_dense){(int)m, (int)m, (int)m, W};
   }
-  dlsi_shift(m, -units->q, given->q, q);
+  exact &= dlsi_shift_exactly(m, -units->q, given->q, q);
   copy->q = q;
-  if (given->weights) dlsi_shift(2 * nc, -units->W, given->weights, weights);
+  if (given->weights) exact &= dlsi_shift_exactly(2 * nc, -units->W, given->weights, weights);
   if (given->weights) copy->weights = weights;
   const size_t count = values + m + (given->weights ? 2 * nc : 0);
-  return dlsi_first_not_finite(units->values, count) < 0;
+  return exact && dlsi_first_not_finite(units->values, count) < 0;
 }
 
 dls_status dlsi_take_units(dlsi_units *units, const dls_contact **problem, dls_error *error) {

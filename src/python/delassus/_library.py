@@ -488,9 +488,7 @@ def vector(name: str, x: Any, size: int, width: int = 1) -> Vector:
 
 
 def gaps(name: str, g: Any, nodes: int, d: int, width: int) -> Vector:
-    """Returns d values for each of the nodes in rows of `width`, the others 0. g may have all rows."""
-    if g is not None and np.size(g) == nodes * width:
-        return vector(name, g, nodes * width, width)
+    """Returns d values for each of the nodes in rows of `width`, the others 0."""
     a = vector(name, g, nodes * d, d)
     if d < width:
         rows = np.zeros((nodes, width))
