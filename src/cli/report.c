@@ -168,26 +168,29 @@ static int report_scene(report *a, const scene *s, const char *directory) {
 /* Adds the budget and the rest of the page. */
 static int add_contact(report *a, const dls_contact *contact, const char *directory) {
   const report_options *o = a->options;
-  file_budget b = {.contact = contact,
-                   .accuracy = o->accuracy,
-                   .limit = (o->quick ? quick_share : budget_share) * o->cpu};
+  file_budget *b = calloc(1, sizeof *b); /* 35 kB, and the solves take 50 kB of the stack */
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
   int result = EXIT_BAD_INPUT;
-  if (file_budget_run(&b, &error)) {
+  if (!b) return complain("%s: out of memory", a->shown);
+  b->contact = contact;
+  b->accuracy = o->accuracy;
+  b->limit = (o->quick ? quick_share : budget_share) * o->cpu;
+  if (file_budget_run(b, &error)) {
     (void)complain_of(a->parts.name, &error);
   } else {
-    file_verdict(&b, a->verdict, sizeof a->verdict);
+    file_verdict(b, a->verdict, sizeof a->verdict);
     if (begin_page(a, directory)) {
       page_say(&a->page, PAGE_SECTION, "Error budget");
-      file_tables(&b, &a->page);
+      file_tables(b, &a->page);
       page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
       add_parts(a, contact);
       page_say(&a->page, PAGE_SECTION, "Contacts");
-      file_contacts(&b, &a->page);
-      result = end_page(a, directory, b.take >= 0);
+      file_contacts(b, &a->page);
+      result = end_page(a, directory, b->take >= 0);
     }
   }
-  file_budget_free(&b);
+  file_budget_free(b);
+  free(b);
   return result;
 }
 

@@ -297,8 +297,9 @@ START_TEST(surface_of_create) {
   contacts_fill(&d, &model, 5, 3);
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   contacts_fill(&d, &model, 5, 9);
-  expect_error(dls_reduction_move(moved, &model, NULL, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_move", "HN", -1);
+  if (WITH_MUMPS) /* a whole factor takes any unknown */
+    expect_error(dls_reduction_move(moved, &model, NULL, &e), &e, DLS_E_ARGUMENT,
+                 "dls_reduction_move", "HN", -1);
   contacts_fill(&d, &model, 12, 0);
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   dls_reduction_destroy(moved);
@@ -339,7 +340,7 @@ START_TEST(wrong_input_changes_nothing) {
   WRONG((m.mu = c.mu, c.mu[3] = -1), DLS_E_ARGUMENT, "mu", 3);
   WRONG(c.g[4] = NAN, DLS_E_NOT_FINITE, "g", 4);
   contacts_fill(&c, &model, 6, 2);
-  WRONG(c.Ni[3] = 5, DLS_E_ARGUMENT, "HN", -1);
+  if (WITH_MUMPS) WRONG(c.Ni[3] = 5, DLS_E_ARGUMENT, "HN", -1);
   contacts_fill(&c, &model, 6, 2);
   expect_error(dls_reduction_move(NULL, &model, NULL, &e), &e, DLS_E_ARGUMENT, "dls_reduction_move",
                "reduction", -1);
