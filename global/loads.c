@@ -53,16 +53,11 @@ dls_status dlsi_global_split_off(dls_global *work, dls_error *error) {
     work->body.balanced = work->balanced;
     dlsi_own_blur(&work->body, x, rest, work->blur); /* rest is spent */
     work->body.blur = work->blur;
-  }
-  const dls_sparse *Ht = &work->body.Ht;
-  for (size_t j = 0; !status && j < n; j++) {
-    work->own[j] = (double)x[j];
-    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
-      work->gap[Ht->i[k]] = (double)(work->gap[Ht->i[k]] + Ht->x[k] * x[j]);
-  }
-  for (int k = 0; !status && k < work->m; k++)
-    work->g[k] = work->gap[k] / work->root[k];
-  if (!status) {
+    dlsi_own_look(&work->body, x, work->gap);
+    for (size_t j = 0; j < n; j++)
+      work->own[j] = (double)x[j];
+    for (int k = 0; k < work->m; k++)
+      work->g[k] = work->gap[k] / work->root[k];
     work->load = work->f;
     work->is_split = 1;
   }

@@ -184,8 +184,7 @@ dls_status dlsi_own_split(const dlsi_own *of, const double *load, long double *x
   return status;
 }
 
-/* g := g + H^T x */
-static void own_look(const dlsi_body *body, const long double *x, double *g) {
+void dlsi_own_look(const dlsi_body *body, const long double *x, double *g) {
   const dls_sparse *Ht = &body->Ht;
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
@@ -221,7 +220,7 @@ dls_status dlsi_own_land(const dlsi_own *of, double *x, double *g, dls_error *er
       away[j] -= xe[j];
       x[j] = (double)xe[j];
     }
-    own_look(body, away, g);
+    dlsi_own_look(body, away, g);
   }
   own_free(&w);
   free(rest);
@@ -302,7 +301,7 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
     if (!status) {
       dlsi_own_blur(body, own, w.sums, blur);
       dlsi_own_balanced(body, w.f, rest, balanced);
-      own_look(body, own, gap);
+      dlsi_own_look(body, own, gap);
       for (size_t j = 0; j < n; j++)
         y[j] = (double)(x[j] - own[j]);
       status = dlsi_own_land(of, y, gap, error);
@@ -316,7 +315,7 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
         u[k] = g ? g[k] : 0;
       for (size_t j = 0; j < n; j++)
         own[j] = x[j];
-      own_look(body, own, u);
+      dlsi_own_look(body, own, u);
     }
   }
   own_free(&w);

@@ -28,6 +28,9 @@ static const double dlsi_own_share = 1e-5;
 dls_status dlsi_own_split(const dlsi_own *of, const double *load, long double *x, double *rest,
                           dls_error *error);
 
+/* g := g + H^T x. x: n; g: m. */
+void dlsi_own_look(const dlsi_body *body, const long double *x, double *g);
+
 /* balanced := |f| by bodies where rest is 0, else 0 (dlsi_body). f, rest: n; balanced: parts. */
 void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *rest,
                        double *balanced);
