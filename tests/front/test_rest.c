@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "delassus.h"
+#include "malloc_fails.h"
 #include "run.h"
 #include "solids.h"
 
@@ -262,6 +263,47 @@ START_TEST(wrong_behind_heat) {
 }
 END_TEST
 
+/* Each allocation of a solve that splits, and of the certificate of its answer, fails in turn:
+ * outputs stay as they were. */
+START_TEST(failing_mallocs_of_a_split) {
+  solids S;
+  solids_stack(&S, 2, 1, 4, .5);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes;
+  double *x = calloc(4 * (size_t)n, sizeof *x), *free_x = x + n, *f = free_x + n, *R = f + n, r[64];
+  double mu[64];
+  for (int k = 0; k < n; k++)
+    free_x[k] = 1e6 * (k % 2 ? k / 2 / 5 : k / 2 % 5);
+  solids_apply(model, R, free_x, f);
+  for (int k = 0; k < n; k++)
+    f[k] += S.f[k];
+  for (int c = 0; c < nc; c++)
+    mu[c] = .3;
+  dls_reduction *reduction;
+  ck_assert(!dls_reduction_create(&reduction, model, NULL, NULL));
+  ck_assert(!dls_reduction_load(reduction, f, NULL, NULL));
+  for (int what = 0; what < 2; what++) {
+    long k = 1;
+    for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; k++) {
+      dls_certificate c = {.residual = 7};
+      if (!what) r[0] = x[0] = 7;
+      malloc_fails_at(k);
+      status = what ? dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL)
+                    : dls_reduction_solve(reduction, mu, NULL, r, NULL, x, NULL, NULL);
+      malloc_fails_at(0);
+      if (status == DLS_E_MEMORY)
+        ck_assert(what ? c.residual == 7 : r[0] == 7 && x[0] == 7);
+      else
+        ck_assert(what ? status == DLS_OK && c.residual < 1 : dls_solved(status));
+    }
+    ck_assert_int_gt(k, 8);
+  }
+  dls_reduction_destroy(reduction);
+  free(x);
+  solids_free(&S);
+}
+END_TEST
+
 /* A bar of stiffness k, one end put to v by a penalty P on the diagonal of K, the other pressed
  * onto the ground: r = k (-v) - w, for a penalty of any size. */
 START_TEST(penalty) {
@@ -288,5 +330,5 @@ END_TEST
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
              EACH(grasp, 0, 4), EACH(warm_block, 0, 30), ONCE(wrong_behind_heat),
-             EACH(penalty, 0, 8));
+             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8));
 }
