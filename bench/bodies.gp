@@ -13,13 +13,10 @@ set ylabel "speed-up of a sweep"
 set key outside right
 set grid
 sizes = system("awk -F, 'NR > 1 && !seen[$2]++ {print $2}' ".csv)
-do for [type in "png svg"] {
-  if (type eq 'png') { set terminal pngcairo size 900,520 font ',12' }
-  if (type eq 'svg') { set terminal svg size 900,520 font ',12' background 'white' }
-  set output dir."bodies.".type
-  plot x title "threads" lc rgb "gray", \
-       for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'bodies' && $2 == word(sizes, k) + 0 ? $3 : NaN):5 with lines dt 2 lw 2 lc k title "model: bodies, ".word(sizes, k), \
-       for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'blocks' && $2 == word(sizes, k) + 0 ? $3 : NaN):5 with lines dt 3 lw 2 lc k title "model: blocks, ".word(sizes, k), \
-       for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'bodies' && $2 == word(sizes, k) + 0 && $3 == 2 ? $3 : NaN):6 with points pt 7 lc k title "measured: bodies, ".word(sizes, k), \
-       for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'blocks' && $2 == word(sizes, k) + 0 && $3 == 2 ? $3 : NaN):6 with points pt 6 lc k title "measured: blocks, ".word(sizes, k)
-}
+set terminal pngcairo size 900,520 font ',12'
+set output dir."bodies.png"
+plot x title "threads" lc rgb "gray", \
+     for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'bodies' && $2 == word(sizes, k) + 0 ? $3 : NaN):5 with lines dt 2 lw 2 lc k title "model: bodies, ".word(sizes, k), \
+     for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'blocks' && $2 == word(sizes, k) + 0 ? $3 : NaN):5 with lines dt 3 lw 2 lc k title "model: blocks, ".word(sizes, k), \
+     for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'bodies' && $2 == word(sizes, k) + 0 && $3 == 2 ? $3 : NaN):6 with points pt 7 lc k title "measured: bodies, ".word(sizes, k), \
+     for [k=1:words(sizes)] csv every ::1 using (strcol(1) eq 'blocks' && $2 == word(sizes, k) + 0 && $3 == 2 ? $3 : NaN):6 with points pt 6 lc k title "measured: blocks, ".word(sizes, k)

@@ -350,7 +350,7 @@ static void table_where(FILE *page, FILE *csv) {
         bench_print(page, "| %dD %d x %d | %d | %d | %.3f | %.3g | %.3g | %.2g |\n", d, size,
                     layers, K->n, K->nc, (double)K->nc / K->n, K->cpu, W->cpu, W->cpu / K->cpu);
       }
-  bench_print(page, "\n![CPU of W over CPU of K against contacts over unknowns](global.svg)\n");
+  bench_print(page, "\n![CPU of W over CPU of K against contacts over unknowns](global.png)\n");
 }
 
 /* ---- the command ----------------------------------------------------------------------------- */

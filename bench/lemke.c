@@ -440,7 +440,7 @@ int main(int argc, char **argv) {
     write_heads(&to);
     status |= compare_directory(directory, max, &to);
     status |= compare_generated(max, full, &to);
-    bench_print(to.page, "\n![CPU time against n](lemke.svg)\n");
+    bench_print(to.page, "\n![CPU time against n](lemke.png)\n");
   }
   if (fclose(to.csv) != 0) status = -1;
   if (fclose(to.page) != 0) status = -1;

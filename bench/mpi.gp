@@ -29,13 +29,10 @@ set xlabel "ranks"
 set ylabel "CPU seconds of a rank"
 set key outside right
 set grid
-do for [type in "png svg"] {
-  if (type eq 'png') { set terminal pngcairo size 900,520 font ',12' }
-  if (type eq 'svg') { set terminal svg size 900,520 font ',12' background 'white' }
-  set output dir."mpi.".type
-  cubes = "22 30 60 100"
-  plot for [k=1:4] factor(word(cubes, k) + 0, x) title "model: factor, ".word(cubes, k)."^3 cubes" dt 2 lw 2 lc k, \
-       for [k=1:4] solve(word(cubes, k) + 0, x) title "model: solve, ".word(cubes, k)."^3 cubes" dt 3 lw 2 lc k, \
-       for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):12 with points pt 7 lc k title "measured: factor, ".word(cubes, k)."^3", \
-       for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):24 with points pt 6 lc k title "measured: solve, ".word(cubes, k)."^3"
-}
+set terminal pngcairo size 900,520 font ',12'
+set output dir."mpi.png"
+cubes = "22 30 60 100"
+plot for [k=1:4] factor(word(cubes, k) + 0, x) title "model: factor, ".word(cubes, k)."^3 cubes" dt 2 lw 2 lc k, \
+     for [k=1:4] solve(word(cubes, k) + 0, x) title "model: solve, ".word(cubes, k)."^3 cubes" dt 3 lw 2 lc k, \
+     for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):12 with points pt 7 lc k title "measured: factor, ".word(cubes, k)."^3", \
+     for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):24 with points pt 6 lc k title "measured: solve, ".word(cubes, k)."^3"

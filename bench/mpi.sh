@@ -1,7 +1,7 @@
 #!/bin/sh
 # mpi.sh BUILD RESULTS [ROUNDS]: reduction and solve of elastic cubes of 22^3, 26^3 and 30^3 elements on 1 and 2 ranks,
 # ROUNDS times (3) in turn, the least of each time; writes RESULTS/mpi.csv, mpi.md and, by the model of docs/mpi.md,
-# mpi.png and mpi.svg. From the top of the repository.
+# mpi.png. From the top of the repository.
 set -eu
 build=$1
 results=$2

@@ -323,7 +323,7 @@ int main(int argc, char **argv) {
   print_head(to.page);
   const int failed = large ? compare_ways(&to, 2, 850, 0, 0) : run_cases(&to, full);
   if (!large)
-    bench_print(to.page, "\n![CPU time, memory and speed against unknowns](reduction.svg)\n");
+    bench_print(to.page, "\n![CPU time, memory and speed against unknowns](reduction.png)\n");
   fclose(to.page);
   fclose(to.csv);
   return failed ? EXIT_FAILURE : EXIT_SUCCESS;

@@ -1,4 +1,4 @@
-# scale.gp: scale.csv -> scale.png, scale.svg, in `dir`: CPU time against candidates.
+# scale.gp: scale.csv -> scale.png, in `dir`: CPU time against candidates.
 # The colours are of src/cli/palette.c: blue is delassus, warm the peer.
 if (!exists('dir')) dir = 'bench/results/'
 data = dir.'scale.csv'
@@ -15,18 +15,15 @@ columns = words(kinds) < 4 ? words(kinds) : 4
 rows = (words(kinds) + columns - 1) / columns
 # column c of the rows of kind k
 pick(k, c) = strcol(1) eq k ? column(c) : NaN
-do for [type in 'png svg'] {
-  if (type eq 'png') { set terminal pngcairo size 380*columns,360*rows font ',11' }
-  if (type eq 'svg') { set terminal svg size 380*columns,360*rows font ',11' background 'white' }
-  set output dir.'scale.'.type
-  set multiplot layout rows,columns
-  do for [kind in kinds] {
-    set title kind
-    plot data using 2:(pick(kind, 5)) with linespoints pt 6 lc rgb '#d55e00' title 'Siconos, blocks', \
-         '' using 2:(pick(kind, 4)) with linespoints pt 9 lc rgb '#56b4e9' title 'best other of delassus', \
-         '' using 2:(pick(kind, 3)) with linespoints pt 7 lc rgb '#0072b2' title 'auto', \
-         '' using 2:(pick(kind, 3) * 0 + 1e-6 * column(2)) with lines dt 3 lc rgb '#999999' title '1 us a candidate'
-  }
-  unset multiplot
-  unset output
+set terminal pngcairo size 380*columns,360*rows font ',11'
+set output dir.'scale.png'
+set multiplot layout rows,columns
+do for [kind in kinds] {
+  set title kind
+  plot data using 2:(pick(kind, 5)) with linespoints pt 6 lc rgb '#d55e00' title 'Siconos, blocks', \
+       '' using 2:(pick(kind, 4)) with linespoints pt 9 lc rgb '#56b4e9' title 'best other of delassus', \
+       '' using 2:(pick(kind, 3)) with linespoints pt 7 lc rgb '#0072b2' title 'auto', \
+       '' using 2:(pick(kind, 3) * 0 + 1e-6 * column(2)) with lines dt 3 lc rgb '#999999' title '1 us a candidate'
 }
+unset multiplot
+unset output
