@@ -38,7 +38,7 @@ if "$python" -c 'import getfem, numpy, scipy' 2>/dev/null; then
 else skip getfem_block.py python3-getfem++; fi
 if [ -e /usr/include/mujoco/mujoco.h ]; then
   build_cc mujoco -lmujoco
-  check mujoco.cc "$out/mujoco" $here/slope.xml
+  check mujoco.cc "$out/mujoco" $here/slope.xml $here/capsule.xml
 else skip mujoco.cc libmujoco-dev; fi
 if [ -d /usr/include/deal.II ]; then
   build_cc dealii "-Wl,--copy-dt-needed-entries -isystem /usr/include/trilinos -isystem /usr/include/suitesparse $(pkg-config --cflags petsc) -ldeal.ii -ltbb $(mpi)"
