@@ -701,6 +701,7 @@ docs-html:
 	@mkdir -p $(BUILD)/docs
 	@{ cat docs/Doxyfile; echo 'PROJECT_NUMBER = $(VERSION)'; echo 'OUTPUT_DIRECTORY = $(BUILD)/docs'; \
 	  echo 'INPUT = $(GUIDE) examples/README.md $(wildcard include/*.h include/delassus/*.h)'; } | doxygen -
+	@python3 docs/search.py $(BUILD)/docs/html
 
 .PHONY: install
 install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)

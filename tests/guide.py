@@ -1,8 +1,8 @@
-"""guide.py HTML [BUILD]: every public function has a place in the guide, with words, and its search finds it.
+"""guide.py HTML [BUILD]: every public function has a place in the guide, with words, and the search of the guide finds it
+first; so it does the pages of some words that are no names.
 
-Public: what the headers declare with DLS_API and, with BUILD, what the shared libraries export. The search is the one
-of the browser: search/functions_*.js, whose entries lead to an anchor of a page. Where there is Chromium, its search
-is asked for each name, too.
+Public: what the headers declare with DLS_API and, with BUILD, what the shared libraries export. Where there is Chromium,
+names and words are typed into the box of a page, and a narrow screen hides the side bar.
 """
 import glob
 import json
@@ -20,10 +20,13 @@ for library in glob.glob(sys.argv[2] + "/libdelassus*.so") if len(sys.argv) > 2 
     exported = subprocess.run(["nm", "-D", "--defined-only", library], check=True, stdout=subprocess.PIPE,
                               text=True).stdout
     names |= set(re.findall(r" T (dls_\w+)", exported))
-index = {}
-for script in glob.glob(html + "/search/functions_*.js"):
-    for name, place in re.findall(r"\['(dls_\w+)',\['\.\./([^']+)'", open(script).read()):
-        index[name] = place
+# what users ask for that is no name of the library, and the page that answers
+WORDS = {"lemke": "lcp_8h", "tolerance": "md_docs_choosing", "jam": "md_docs_choosing", "jammed": "md_docs_choosing",
+         "Matrix Market": "md_docs_files", "calculix": "md_docs_files", "restitution": "md_docs_motion",
+         "arch": "md_docs_statics", "certificate": "md_docs_certificate", "threads": "md_docs_threads",
+         "mortar": "md_docs_contacts", "mujoco": "md_docs_stick", "weighted reactions": "md_docs_jean"}
+sections = json.loads(open(html + "/words.js").read().partition(" = ")[2].rstrip().rstrip(";"))
+index = {heading[:-2]: place for place, _, heading, _ in sections if heading.endswith("()")}
 pages, bad = {}, 0
 for name in sorted(names):
     page, _, anchor = index.get(name, "").partition("#")
@@ -40,32 +43,42 @@ for name in sorted(names):
         print(f"guide: {name}: " + ("no words" if at >= 0 else "the search does not find it"))
 
 
-def ask_browser(browser):
-    """Returns how many names the page of results shows in a browser, for each typed into its search."""
-    sections = open(html + "/search/searchdata.js").read()
-    letters = re.search(r'0: "([^"]*)"', sections).group(1)
-    page = open(f"{html}/search/all_{letters.index('d'):x}.html").read()
-    ask = """<script>var found = 0;
-for (const name of %s) {
-  searchResults.Search(name);
-  const rows = [...document.getElementsByClassName("SRResult")].filter(row => row.style.display == "block");
-  if (rows.some(row => row.getElementsByTagName("a")[0].textContent == name &&
-                       row.getElementsByTagName("a")[0].href.includes(".html#"))) found++;
-}
-document.title = "found " + found;</script></body>""" % json.dumps(sorted(names))
-    path = os.path.abspath(html + "/search/ask.html")
+for place in {place.partition("#")[0] for place, *_ in sections}:
+    if "&amp;#" in open(f"{html}/{place}").read():
+        bad += 1
+        print(f"guide: {place} shows an entity")
+
+
+def ask_browser(browser, script, *options):
+    """Returns the title that the script gives the first page of the guide once it is loaded."""
+    path = os.path.abspath(html + "/ask.html")
     with open(path, "w") as file:
-        file.write(page.replace("</body>", ask))
-    dom = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", "file://" + path],
+        file.write(open(html + "/index.html").read().replace("</body>", "<script>addEventListener('load', () => {" +
+                                                            script + "});</script></body>"))
+    dom = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", *options,
+                          "file://" + path],
                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, timeout=120).stdout
     os.remove(path)
-    return int((re.search(r"<title>found (\d+)", dom) or [0, -1])[1])
+    return (re.search(r"<title>(.*?)</title>", dom) or ["", "no answer"])[1]
 
 
 browser = shutil.which("chromium")
 if browser:
-    found = ask_browser(browser)
-    print(f"guide: in headless Chromium the search shows {found} of {len(names)}")
-    bad += found != len(names)
+    asked = {**{name: index.get(name, "nowhere") for name in names}, **WORDS}
+    missed = ask_browser(browser, """const box = document.getElementById("guide-search"), missed = [];
+for (const [question, page] of Object.entries(%s)) {
+  box.value = question;
+  box.dispatchEvent(new Event("input"));
+  const first = document.querySelector("#guide-found a");
+  if (!first || !first.getAttribute("href").startsWith(page)) missed.push(question);
+}
+document.title = "missed: " + missed.join(", ");""" % json.dumps(asked))
+    print(f"guide: {len(asked)} names and words typed into its search, {missed}")
+    side = ask_browser(browser, "document.title = getComputedStyle(document.getElementById('side-nav')).display",
+                       "--window-size=500,800")
+    print(f"guide: on a narrow screen the side bar is {side}")
+    bad += (missed != "missed: ") + (side != "none")
+else:
+    bad += subprocess.run(["tests/skip.sh", "the search in a browser, no chromium"]).returncode
 print(f"guide: {len(names) - bad} of {len(names)} public functions have a place that the search finds")
 sys.exit(bad > 0)

@@ -1,7 +1,8 @@
 """links.py FOLDER [INCLUDE]: names each dead link and dead file name of the documents in a folder.
 
 Of *.md: the targets of links, with their anchors, and the file names in the text (with a slash, or *.md), which are
-looked up beside the document, from the folder, and in INCLUDE. Of *.html: href and src, with their anchors.
+looked up beside the document, from the folder, and in INCLUDE. In the tree also marks of docs/ that installed.awk would
+not see. Of *.html: href and src, with their anchors.
 Without INCLUDE the folder is the source tree, of which git names the documents.
 """
 import os
@@ -48,6 +49,10 @@ def look(document, target, places):
 def look_markdown(document):
     here = os.path.dirname(document)
     text = open(document).read()
+    if document.startswith(os.path.join(folder, "docs")) and not include:
+        marks = re.findall(r"<!--.*?-->|<!--", text, re.S)
+        if marks != ["<!-- tree -->", "<!-- /tree -->"] * (len(marks) // 2):
+            dead.append(f"{document}: <!-- tree --> and <!-- /tree --> do not alternate, each in one line")
     for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```|`[^`\n]*`", "", text, flags=re.S)):
         if not re.match(r"[a-z]+:", target):
             look(document, target, [here])
