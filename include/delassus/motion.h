@@ -78,6 +78,9 @@ typedef struct dls_motion_settings {
                          fraction of the bodies' size if they rest on each other; 0     length */
   double forecast;    /* 0 <= forecast <= 1: fraction of the step after which the gap is predicted;
                          1/2 */
+  int energy_consistent; /* 1: where friction and restitution together would create energy (Kane
+                            1984), the step takes the largest e up to `restitution` that creates
+                            none; 0 */
 } dls_motion_settings;
 
 /* Sets each field to its default. */
@@ -135,6 +138,7 @@ typedef struct dls_motion_state {
   const dls_contact_state *state; /* candidates; DLS_FREE where it took no part */
   int active;                     /* candidates in the contact problem of the step */
   const int *active_list;         /* active: their numbers, ascending */
+  double restitution;             /* e of the step; with energy_consistent it may be less */
 } dls_motion_state;
 
 /* Sets *state to views of the motion, which live as long as it does and change with each step.
@@ -159,6 +163,9 @@ typedef struct dls_motion_energies {
   double residual, scale; /*                                                   work */
   /* max_i |M dv - h (f - C v_th - K x_th) - H p|_i / max_i s_i of the last step   1 */
   double momentum;
+  double created; /* the sum of friction + impact of the steps in which it is > 0: contact put
+                     energy into the bodies, by restitution with friction, or by slip that reverses
+                     within a step; 0 on a path                                            work */
 } dls_motion_energies;
 
 /* Copies the energies, works and checks of the motion into *energies. DLS_E_ARGUMENT. */

@@ -116,9 +116,9 @@ static double surface_part(const dls_moving_data *d, int c) {
 }
 
 static int moving_open(moving_files *f, const char *directory, const dls_moving_data *d) {
-  f->energy =
-      open_growing(directory, "energy.csv",
-                   "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,balance\n");
+  f->energy = open_growing(
+      directory, "energy.csv",
+      "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,created,balance\n");
   if (f->energy)
     f->contact = open_growing(directory, "contact.csv", "t,candidate,r_n,r_t,u_n,u_t,state\n");
   if (!f->contact || !(f->series = open_series(directory))) return 0;
@@ -136,9 +136,9 @@ static int moving_open(moving_files *f, const char *directory, const dls_moving_
 static void write_energy(FILE *file, const dls_moving_data *d) {
   const dls_motion_energies *e = &d->energy;
   const double work = e->load + e->damping + e->obstacle + e->friction + e->impact + e->numerical;
-  fprintf(file, "%.10g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", d->state.t,
+  fprintf(file, "%.10g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", d->state.t,
           e->kinetic, e->elastic, e->load, e->damping, e->obstacle, e->friction, e->impact,
-          e->numerical, e->kinetic + e->elastic - work);
+          e->numerical, e->created, e->kinetic + e->elastic - work);
 }
 
 static void write_contact(const moving_files *f, const dls_moving_data *d) {
@@ -231,6 +231,9 @@ static void print_moving_summary(const dls_moving_data *d, const moving_worst *w
          e->elastic);
   printf("works: load %.8g, obstacle %.8g, friction %.8g, impact %.8g, numerical %.8g\n", e->load,
          e->obstacle, e->friction, e->impact, e->numerical);
+  if (e->created > 0)
+    printf("contact created %.8g: by restitution with friction, or slip that reverses in a step\n",
+           e->created);
   printf("balance in the worst step: energy %.1e, momentum %.1e\n", worst->residual,
          worst->momentum);
   if (d->dynamic) printf("impulse: normal %.9g, tangential %.9g\n", d->impulse[0], d->impulse[1]);
@@ -258,6 +261,7 @@ static void print_moving_json(const dls_moving_data *d, const moving_worst *wors
   print_json_field(stdout, "friction", e->friction);
   print_json_field(stdout, "impact", e->impact);
   print_json_field(stdout, "numerical", e->numerical);
+  print_json_field(stdout, "created", e->created);
   print_json_field(stdout, "balance_energy", worst->residual);
   print_json_field(stdout, "balance_momentum", worst->momentum);
   if (d->has_exact) print_json_field(stdout, "gap_error", d->gap_error);

@@ -84,9 +84,12 @@ double dlsi_motion_momentum(dls_motion *motion, const double *f, const double *d
   return scale > 0 ? dlsi_max_abs(motion->b, n) / scale : 0;
 }
 
+static const double made_rounds = 1e-12; /* part of its terms */
+
 /* The works of a step. */
 typedef struct step_work {
   double load, damping, obstacle, friction, impact, numerical;
+  double contact; /* the sum of |terms| of friction and impact */
 } step_work;
 
 /* Sets the works of the reactions. y: d nodes. */
@@ -100,6 +103,7 @@ static void work_of_reactions(dls_motion *motion, const double *y, step_work *wo
     const double p = next->p[k], before = path ? 0 : (1 - theta) * motion->uc[k];
     work->obstacle += p * h * motion->mc[k];
     *(k % d == 0 ? &work->impact : &work->friction) += p * (theta * next->u[k] + before);
+    work->contact += fabs(p) * (theta * fabs(next->u[k]) + fabs(before));
   }
 }
 
@@ -141,6 +145,9 @@ void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, c
   e->obstacle += work.obstacle;
   e->friction += work.friction;
   e->impact += work.impact;
+  const double made = work.friction + work.impact;
+  if (motion->settings.law != DLS_MOTION_PATH && made > made_rounds * work.contact)
+    e->created += made;
   e->numerical += work.numerical;
   const double sum =
       work.load + work.damping + work.obstacle + work.friction + work.impact + work.numerical;

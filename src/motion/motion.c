@@ -39,7 +39,8 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
                               {"theta", path ? 1 : s->theta, 0.5, 1, 0},
                               {"restitution", s->restitution, 0, 1, 0},
                               {"activation", s->activation, 0, DBL_MAX, 0},
-                              {"forecast", s->forecast, 0, 1, 0}};
+                              {"forecast", s->forecast, 0, 1, 0},
+                              {"energy_consistent", s->energy_consistent, 0, 1, 0}};
   dls_status status =
       dlsi_check_settings(&s->limits, s->size, sizeof *s, sizeof own / sizeof own[0], own, error);
   if (!status) status = motion_check_h(s->h, error);
@@ -352,7 +353,8 @@ dls_status dls_motion_get_state(const dls_motion *motion, dls_motion_state *stat
                               .slip = now->slip,
                               .state = now->state,
                               .active = now->active,
-                              .active_list = now->list};
+                              .active_list = now->list,
+                              .restitution = now->restitution};
   return DLS_OK;
 }
 

@@ -17,6 +17,7 @@ typedef struct motion_point {
   dls_contact_state *state; /* candidates */
   int active, *list;        /* candidates; ascending, `active` of them */
   dls_motion_energies energies;
+  double restitution; /* of the step */
 } motion_point;
 
 struct dls_motion {

@@ -203,12 +203,13 @@ void dlsi_motion_keep(const dls_motion *motion, const motion_point *from, motion
   memcpy(to->list, from->list, nc * sizeof *to->list);
   to->active = from->active;
   to->energies = from->energies;
+  to->restitution = from->restitution;
 }
 
 /* ---- dynamics -------------------------------------------------------------------------------- */
 
-/* (MT1), (MT2); sets uc to u before the step. y: d nodes. */
-static void step_predict(dls_motion *motion, const double *f, const double *y) {
+/* (MT1), (MT2) with restitution e; sets uc to u before the step. y: d nodes. */
+static void step_predict(dls_motion *motion, double e, const double *f, const double *y) {
   const dls_motion_settings *s = &motion->settings;
   const motion_point *now = &motion->now;
   const size_t d = (size_t)motion->model.d;
@@ -221,7 +222,7 @@ static void step_predict(dls_motion *motion, const double *f, const double *y) {
     g[k] -= y[k];
   dlsi_motion_gather(motion, g, motion->uc);
   for (size_t k = 0; k < d * motion->nodes; k += d)
-    g[k] += s->restitution * g[k] + motion->place[k];
+    g[k] += e * g[k] + motion->place[k];
   for (size_t i = 0; i < motion->n; i++)
     motion->z[i] = now->x[i] + s->h * s->theta * now->v[i];
   dlsi_motion_multiply(motion, &motion->model.K, motion->z, motion->yn, NULL);
@@ -230,14 +231,65 @@ static void step_predict(dls_motion *motion, const double *f, const double *y) {
     motion->b[i] = s->h * ((f ? f[i] : 0) - motion->z[i] - motion->yn[i]);
 }
 
+/* Returns the work of contact on the bodies, p.(u + theta H^T dv); *size: the sum of |terms|. */
+static double step_work(dls_motion *motion, double *size) {
+  dlsi_motion_local(motion, motion->dx, motion->local);
+  dlsi_motion_gather(motion, motion->local, motion->mc);
+  double work = *size = 0;
+  for (size_t k = 0; k < motion->m; k++) {
+    const double p = motion->next.p[k], du = motion->settings.theta * motion->mc[k];
+    work += p * (motion->uc[k] + du);
+    *size += fabs(p) * (fabs(motion->uc[k]) + fabs(du));
+  }
+  return work;
+}
+
+static const double work_rounds = 1e-12, work_meets = 1e-9; /* parts of its size */
+enum { impact_tries = 40, impact_close = 20 };
+
+/* (MT1) to (MT6). With energy_consistent and where contact would do work on the bodies, again with
+ * smaller e: e = 0 does none (but where slip reverses within the step), and between both the
+ * Illinois method finds the e that does none: with the same states the work is a parabola in e.
+ * Where it jumps, the first e below the jump is taken. */
+static dls_status step_impact(dls_motion *motion, const double *f, const double *y,
+                              const double *mu, dls_info *info, dls_error *error) {
+  const dls_motion_settings *s = &motion->settings;
+  double *e = &motion->next.restitution, size;
+  double high = s->restitution, low = 0, above = 0, below = 0;
+  const double factor = motion->h_last > 0 ? s->h / motion->h_last : 1;
+  *e = high;
+  for (int k = 0, side = 0; k < impact_tries; k++) {
+    step_predict(motion, *e, f, y);
+    const dls_status status = step_contact(motion, mu, motion->now.p, factor, info, error);
+    if (status || !s->energy_consistent || (*e == 0 && k != 1)) return status;
+    double work = step_work(motion, &size);
+    if (k == 0 && work <= work_rounds * size) return DLS_OK;
+    work += work_meets * size / 2; /* its zero is on the side that loses energy */
+    if (fabs(work) <= work_meets * size / 2 || (work <= 0 && k >= impact_close)) return DLS_OK;
+    if (work > 0) {
+      if (k == 1) return DLS_OK; /* with e = 0 */
+      high = *e, above = work;
+      if (side > 0) below /= 2;
+      side = 1;
+    } else {
+      low = *e, below = work;
+      if (side < 0) above /= 2;
+      side = -1;
+    }
+    const int last = k == 0 || k == impact_tries - 2;
+    *e = last               ? 0
+         : k < impact_close ? (low * above - high * below) / (above - below)
+                            : (low + high) / 2;
+  }
+  return DLS_OK;
+}
+
 static dls_status step_dynamics(dls_motion *motion, const double *f, const double *y,
                                 const double *mu, dls_info *info, dls_error *error) {
   const dls_motion_settings *s = &motion->settings;
   const motion_point *now = &motion->now;
   motion_point *next = &motion->next;
-  step_predict(motion, f, y);
-  const double factor = motion->h_last > 0 ? s->h / motion->h_last : 1;
-  dls_status status = step_contact(motion, mu, now->p, factor, info, error);
+  dls_status status = step_impact(motion, f, y, mu, info, error);
   if (status) return status;
   for (size_t i = 0; i < motion->n; i++) { /* (MT7) */
     next->v[i] = now->v[i] + motion->dx[i];

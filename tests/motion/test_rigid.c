@@ -6,11 +6,18 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/base.h"
 #include "moving.h"
 #include "run.h"
 
 static const double gravity = 9.81, pi = 3.14159265358979323846;
 static moving_parts parts;
+
+/* Returns the next of a sequence of random numbers in (-1, 1). */
+static double dice(void) {
+  static uint64_t count;
+  return 2 * dlsi_draw(++count * DLSI_GOLDEN_BITS) - 1;
+}
 
 /* A ball of mass 1 at height 1, e = 1/2. Falls for sqrt(2/g) = .451524 s; every flight lasts half
  * of the one before: at rest from sqrt(2/g)(1 + 2 (1/2 + 1/4 + ..)) = 3 sqrt(2/g) = 1.35457 s. The
@@ -135,6 +142,82 @@ START_TEST(test_painleve) {
 }
 END_TEST
 
+/* Kane's rod: m = 1, half length 1, inertia 1/3, hits with v = (1, -1, 0) at 60 degrees, e = 1, mu
+ * = .2. W = (7/4, -3 q; -3 q, 13/4), q = sqrt(3)/4, u = (-1, 1). It sticks: p_n = (13 - 6 q)/8, p_t
+ * = (6 q - 7/4)/4 < mu p_n. The work of friction, p_t/2, is > 0: (6 sqrt(3) - 14/2)/32 of an energy
+ * of 1. With p(e) the works cancel for e^2 = (5 - 6 q)/(13/4). */
+START_TEST(kane) {
+  const double tip[2] = {0, 0}, mu = 0.2, v[3] = {1, -1, 0}, root = sqrt(3);
+  moving_begin(&parts, 3);
+  moving_body(&parts, 0, 0.5, root / 2, 1, 1.0 / 3);
+  moving_joint(&parts, 0, -1, tip, pi / 2, 0);
+  const dls_motion_model model = moving_model(&parts);
+  dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 1e-6);
+  settings.restitution = 1;
+  dls_motion *motion = moving_create(&model, &settings, NULL, v);
+  dls_motion_state state = moving_step(motion, NULL, NULL, &mu);
+  dls_motion_energies energies = moving_energies(motion);
+  ck_assert(state.restitution == 1);
+  ck_assert_double_eq_tol(energies.created, (6 * root - 7) / 32, 1e-12);
+  ck_assert_double_eq_tol(energies.kinetic, 1 + energies.created, 1e-12);
+  dls_motion_destroy(motion);
+  settings.energy_consistent = 1;
+  motion = moving_create(&model, &settings, NULL, v);
+  state = moving_step(motion, NULL, NULL, &mu);
+  energies = moving_energies(motion);
+  ck_assert_double_eq_tol(state.restitution, sqrt((5 - 1.5 * root) / 3.25), 1e-8);
+  ck_assert_double_eq_tol(state.u[0], state.restitution, 1e-12);
+  ck_assert_double_le(energies.kinetic, 1);
+  ck_assert_double_eq_tol(energies.kinetic, 1, 1e-8);
+  ck_assert(energies.created == 0);
+  dls_motion_destroy(motion);
+}
+END_TEST
+
+/* Random impacts of two bodies with 1 to 3 contacts, e and mu up to 1.2. With e as given some gain
+ * energy, and `created` is what they gain; with energy_consistent none does. The few that have no
+ * solution (jammed) are left out. */
+START_TEST(impacts_create_no_energy) {
+  int solved = 0, gained = 0;
+  for (int trial = 0; trial < 3000; trial++) {
+    double mu[3], v[6], before[2], after[2], made[2];
+    moving_begin(&parts, 6);
+    for (int b = 0; b < 2; b++)
+      moving_body(&parts, b, dice(), dice(), exp(dice()), exp(2 * dice() - 1));
+    for (int c = 0; c <= trial % 3; c++) {
+      const double X[2] = {dice(), dice()};
+      moving_joint(&parts, c != 0, c == 2 ? 0 : -1, X, pi * dice(), 0);
+      mu[c] = 0.6 + 0.6 * dice();
+    }
+    for (int i = 0; i < 6; i++)
+      v[i] = dice();
+    const dls_motion_model model = moving_model(&parts);
+    dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 1e-9);
+    settings.restitution = fabs(dice());
+    int good = 1;
+    for (int way = 0; way < 2; way++) {
+      settings.energy_consistent = way;
+      dls_motion *motion = moving_create(&model, &settings, NULL, v);
+      before[way] = moving_energies(motion).kinetic;
+      good = good && dls_motion_step(motion, NULL, NULL, mu, NULL, NULL) == DLS_OK;
+      after[way] = moving_energies(motion).kinetic;
+      made[way] = moving_energies(motion).created;
+      dls_motion_destroy(motion);
+    }
+    if (!good) continue;
+    solved++;
+    const double gain = after[0] - before[0], rounding = 1e-10 * (before[0] + fabs(gain));
+    if (gain > rounding) gained++;
+    ck_assert_double_eq_tol(made[0], fmax(gain, 0), rounding);
+    ck_assert_msg(after[1] <= before[1] * (1 + 1e-10), "trial %d: gains %g of %g", trial,
+                  after[1] - before[1], before[1]);
+    ck_assert(made[1] <= 1e-10 * before[1]);
+  }
+  ck_assert_int_ge(solved, 2970);
+  ck_assert_int_ge(gained, 30);
+}
+END_TEST
+
 /* ---- structures ------------------------------------------------------------------------------ */
 
 static double closed = 1e-9; /* activation */
@@ -233,6 +316,6 @@ END_TEST
 
 int main(void) {
   return RUN("rigid", NULL, NULL, ONCE(test_ball), ONCE(test_stick_slip), ONCE(test_incline),
-             ONCE(test_painleve), ONCE(test_stack), EACH(test_arch_thickness, 0, 2),
-             ONCE(test_arch_stands));
+             ONCE(test_painleve), ONCE(kane), ONCE(impacts_create_no_energy), ONCE(test_stack),
+             EACH(test_arch_thickness, 0, 2), ONCE(test_arch_stands));
 }

@@ -109,10 +109,12 @@ _USED = {
     "dls_derive_data": "mu q W f g K",
     "dls_derive_answer": "r u x",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
-    "dls_motion_settings": "limits size law method h theta restitution activation forecast",
-    "dls_motion_state": "d n candidates steps t x v p u gap slip state active active_list",
+    "dls_motion_settings": "limits size law method h theta restitution activation forecast "
+                           "energy_consistent",
+    "dls_motion_state": "d n candidates steps t x v p u gap slip state active active_list "
+                        "restitution",
     "dls_motion_energies": "kinetic elastic load damping obstacle friction impact numerical "
-                           "residual scale momentum",
+                           "residual scale momentum created",
 }
 
 

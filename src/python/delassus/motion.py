@@ -19,7 +19,8 @@ _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DL
 class Motion(Owner):
     """Bodies M v' + C v + K x = f + H p/h with contact (delassus/motion.h).
 
-    Motion(K, HN, HT, M=M, h=1e-3)           impacts; restitution, activation, theta: see motion.h
+    Motion(K, HN, HT, M=M, h=1e-3)           impacts; restitution, activation, theta,
+                                             energy_consistent: see motion.h
     Motion(K, HN, HT, M=M, h=h, law="gap", theta=1)
     Motion(K, HN, HT, law="path")            equilibria, one after the other
 
@@ -34,7 +35,8 @@ class Motion(Owner):
                  method: str = "auto", factorization: str | None = None, tol: float | None = None,
                  max_iterations: int | None = None, d: int | None = None,
                  theta: float | None = None, restitution: float | None = None,
-                 activation: float | None = None, forecast: float | None = None) -> None:
+                 activation: float | None = None, forecast: float | None = None,
+                 energy_consistent: bool = False) -> None:
         self._held = c_void_p()
         # copies: the library goes on reading them
         copies: list[Any] = [
@@ -65,7 +67,7 @@ class Motion(Owner):
         self._watch = Watch()
         set_limits(create.limits, self._watch, tol, max_iterations)
         set_fields(create, {"theta": theta, "restitution": restitution, "activation": activation,
-                            "forecast": forecast})
+                            "forecast": forecast, "energy_consistent": int(energy_consistent)})
         call("dls_motion_create", byref(self._held), byref(model), byref(create))
 
     def __del__(self) -> None:
