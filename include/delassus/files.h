@@ -110,6 +110,20 @@ DLS_API DLS_MUST_USE dls_status dls_mtx_read_sparse(const char *path, dls_sparse
 DLS_API DLS_MUST_USE dls_status dls_calculix_read(const char *path, dls_sparse *A,
                                                   dls_error *error);
 
+/* Reads a matrix in any format that the guide ("Files") lists, as compressed columns without the
+ * zeros of a dense one. The file name counts for CalculiX alone, the first bytes for the others.
+ * triplets: 1 if a text holds lines "row column value", counted from 0 if an index is 0, else from
+ * 1; 0 if it is a dense table. *symmetric (or NULL) := 1 if the file says that it is, or holds one
+ * triangle of labels. *labels (or NULL) := new array of (node, direction) for each row where the
+ * file has them (Abaqus), else NULL; dls_matrix_free_labels frees it. Outputs are untouched on
+ * error. Errors of dls_mtx_read_sparse; DLS_E_UNSUPPORTED for a format that is recognised and not
+ * read: the message says what to do. */
+DLS_API DLS_MUST_USE dls_status dls_matrix_read(const char *path, int triplets, dls_sparse *A,
+                                                int *symmetric, int **labels, dls_error *error);
+
+/* Frees labels that dls_matrix_read has returned; NULL is fine. */
+DLS_API void dls_matrix_free_labels(int *labels);
+
 /* Frees the arrays of a matrix that was read and sets it to zero; NULL is fine. */
 DLS_API void dls_mtx_free_sparse(dls_sparse *A);
 

@@ -227,6 +227,12 @@ void fuzz_mtx(const unsigned char *data, size_t size) {
   dls_mtx_free(a);
   if (dls_mtx_read_sparse(path, &A, &symmetric, NULL) == DLS_OK) check_columns(&A);
   dls_mtx_free_sparse(&A);
+  for (int triplets = 0; triplets < 2; triplets++) { /* of whatever format */
+    int *labels = NULL;
+    if (dls_matrix_read(path, triplets, &A, &symmetric, &labels, NULL) == DLS_OK) check_columns(&A);
+    dls_mtx_free_sparse(&A);
+    dls_matrix_free_labels(labels);
+  }
 }
 
 void fuzz_calculix(const unsigned char *data, size_t size) {
