@@ -366,29 +366,6 @@ dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error 
   return dlsi_mtx_read_file(path, 0, t, NULL, error);
 }
 
-static dls_status read_sparse(const char *path, int calculix, dls_sparse *A, int *symmetric,
-                              dls_error *error) {
-  if (!path) return dlsi_is_null(error, "path");
-  if (!A) return dlsi_is_null(error, "A");
-  dlsi_triplets t = {0};
-  int is_symmetric = 0;
-  dls_status status = dlsi_mtx_read_file(path, calculix, &t, &is_symmetric, error);
-  if (!status) status = dlsi_mtx_columns(&t, A, error);
-  dlsi_triplets_free(&t);
-  if (!status && symmetric) *symmetric = is_symmetric;
-  return status;
-}
-
-dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric, dls_error *error) {
-  DLSI_DOOR;
-  return dlsi_at(__func__, read_sparse(path, 0, A, symmetric, error), error);
-}
-
-dls_status dls_calculix_read(const char *path, dls_sparse *A, dls_error *error) {
-  DLSI_DOOR;
-  return dlsi_at(__func__, read_sparse(path, 1, A, NULL, error), error);
-}
-
 void dls_mtx_free_sparse(dls_sparse *A) {
   if (!A) return;
   dlsi_columns own = {A->rows, A->cols, (int *)(uintptr_t)A->p, (int *)(uintptr_t)A->i,
