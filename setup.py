@@ -12,7 +12,7 @@ from setuptools.command.build_py import build_py
 from wheel.bdist_wheel import bdist_wheel
 
 ROOT = pathlib.Path(__file__).resolve().parent
-NAME = "libdelassus.so.0"
+NAME, FILES = "libdelassus.so.0", "libdelassus-files.so.0"
 
 
 def version():
@@ -21,17 +21,21 @@ def version():
 
 
 class BuildLibrary(build_py):
-    """Puts the library beside the modules; an editable install finds it in build/."""
+    """Puts the libraries beside the modules; an editable install finds it in build/."""
 
     def run(self):
         super().run()
         given = os.environ.get("DELASSUS_LIBRARY")
+        make = ["make", "-j", str(os.cpu_count() or 1), "HDF5=0"]
         if not given:
-            cores = str(os.cpu_count() or 1)
-            subprocess.run(["make", "-j", cores, "build/libdelassus.so", "HDF5=0"], cwd=ROOT,
-                           check=True)
-        if not self.editable_mode:
-            shutil.copy(given or ROOT / "build" / NAME, pathlib.Path(self.build_lib, "delassus", NAME))
+            subprocess.run([*make, "build/libdelassus.so"], cwd=ROOT, check=True)
+        if self.editable_mode:
+            return
+        # of its own build: that of the tree may read FCLIB, and need HDF5
+        subprocess.run([*make, "BUILD=build/wheel", "build/wheel/libdelassus-files.so"], cwd=ROOT, check=True)
+        place = pathlib.Path(self.build_lib, "delassus")
+        shutil.copy(given or ROOT / "build" / NAME, place / NAME)
+        shutil.copy(ROOT / "build/wheel" / FILES, place / FILES)
 
 
 class PlatformWheel(bdist_wheel):

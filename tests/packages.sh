@@ -58,7 +58,7 @@ DELASSUS_LIBRARY=$library in_source build_wheel
 import sys, zipfile
 wheel = zipfile.ZipFile(sys.argv[1])
 names = {name.split("/", 1)[1] for name in wheel.namelist()}
-missing = {"LICENSE", "METADATA", "py.typed", "libdelassus.so.0", "contact.py"} - names
+missing = {"LICENSE", "METADATA", "py.typed", "libdelassus.so.0", "libdelassus-files.so.0", "contact.py"} - names
 assert not missing, missing
 metadata = wheel.read(next(n for n in wheel.namelist() if n.endswith("METADATA"))).decode()
 for line in ("Name: delassus", "License: BSD-3-Clause", "Requires-Dist: numpy", "Requires-Python: >=3.8"):

@@ -1,7 +1,7 @@
 /*
  * delassus/files.h: reads and writes contact problems as FCLIB files (HDF5; Acary et al., INRIA
- * RT-0444) and dense matrices as Matrix Market files; reads sparse matrices from Matrix Market and
- * CalculiX files and small problems from text. The guide, "Files", describes them.
+ * RT-0444) and dense matrices as Matrix Market files; reads matrices in the formats of
+ * other codes and small problems from text. The guide, "Files", describes them.
  *
  * These functions are in a library of their own, libdelassus-files: link -ldelassus-files
  * -ldelassus (pkg-config delassus-files). Without HDF5 the dls_fclib_ functions return
@@ -97,18 +97,21 @@ DLS_API DLS_MUST_USE dls_status dls_mtx_read(const char *path, int *rows, int *c
                                              dls_error *error);
 DLS_API void dls_mtx_free(double *a);
 
-/* Reads a Matrix Market file of the same kinds as compressed columns: a symmetric matrix with both
- * triangles, an array without its zeros. The three arrays of *A are new; dls_mtx_free_sparse
- * frees them. *A is untouched on error. *symmetric (or NULL) := 1 if the banner says
- * so. Errors of dls_mtx_read. */
-DLS_API DLS_MUST_USE dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric,
-                                                    dls_error *error);
+/* Reads a matrix in any format that the guide ("Files") lists, as compressed columns: a
+ * symmetric one with both triangles, a dense one without its zeros. The three arrays of *A are new;
+ * dls_mtx_free_sparse frees them. The name counts for CalculiX alone (.sti, .mas: the upper
+ * triangle), the first bytes for the others.
+ * triplets: 1 if a text holds lines "row column value", counted from 0 if an index is 0, else from
+ * 1; 0 if it is a dense table. *symmetric (or NULL) := 1 if the file says that it is, or holds one
+ * triangle of labels. *labels (or NULL) := new array of (node, direction) for each row where the
+ * file has them (Abaqus), else NULL; dls_matrix_free_labels frees it. Outputs are untouched on
+ * error. Errors of dls_mtx_read; DLS_E_UNSUPPORTED for a format that is recognised and not
+ * read: the message says what to do. */
+DLS_API DLS_MUST_USE dls_status dls_matrix_read(const char *path, int triplets, dls_sparse *A,
+                                                int *symmetric, int **labels, dls_error *error);
 
-/* Reads a matrix that CalculiX has written (*FREQUENCY, SOLVER=MATRIXSTORAGE: job.sti is the
- * stiffness, job.mas the mass): lines "row column value" of the upper triangle, 1-based; *A has
- * both triangles. The rest as dls_mtx_read_sparse. */
-DLS_API DLS_MUST_USE dls_status dls_calculix_read(const char *path, dls_sparse *A,
-                                                  dls_error *error);
+/* Frees labels that dls_matrix_read has returned; NULL is fine. */
+DLS_API void dls_matrix_free_labels(int *labels);
 
 /* Frees the arrays of a matrix that was read and sets it to zero; NULL is fine. */
 DLS_API void dls_mtx_free_sparse(dls_sparse *A);

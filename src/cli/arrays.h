@@ -4,15 +4,23 @@
 #define ARRAYS_H
 
 #include "delassus.h"
+#include "files/formats.h"
 
 /* Rows of numbers: a[i * cols + j], which the caller frees, after a failure, too. */
-typedef struct table {
-  int rows, cols;
-  double *a;
-} table;
+typedef dlsi_table table;
 
-/* Reads a table: Matrix Market, .npy or plain text. Returns 1; 0 after a complaint. */
+/* Reads a table: Matrix Market, .npy, PETSc's vectors or plain text. Returns 1; 0 after a
+ * complaint. */
 int table_read(const char *path, table *t);
+
+/* Sets if text holds triplets: --triplets. */
+void arrays_of_triplets(int on);
+
+/* Returns 1 if all rows of a table look like row, column, value. */
+int table_is_triplets(const table *t);
+
+/* Complains that a file looks like triplets; returns 0. */
+int refuse_triplets(const char *path);
 
 /* Returns a new copy of the table, column after column; NULL after a complaint. */
 double *table_by_columns(const char *path, const table *t);
@@ -23,6 +31,7 @@ typedef struct sparse {
   dls_sparse view;
   int *p, *i;
   double *x;
+  int *labels; /* (node, direction) of each row, as the file has them; or NULL */
 } sparse;
 
 /* Allocates room for `count` entries; returns 1, or 0 after a complaint. */
@@ -32,7 +41,8 @@ int sparse_alloc(int rows, int cols, size_t count, sparse *A);
 int sparse_read(const char *path, sparse *A);
 void sparse_free(sparse *A);
 
-/* Return 1 if the file holds entries by row and column; if its name is that of CalculiX. */
+/* Return 1 if the file holds entries by row and column (-1 after a complaint); if its name is that
+ * of CalculiX. */
 int array_is_sparse(const char *path);
 int array_is_calculix(const char *path);
 

@@ -38,8 +38,8 @@ void source_usage(FILE *out) {
   fputs(
       "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
       "                        the most contacts that touch)\n\n"
-      "Matrices of a host code, K x = f + H r, u = H^T x + g, as Matrix Market, .npy or plain\n"
-      "text (the guide, 'Files', has the details):\n"
+      "Matrices of a host code, K x = f + H r, u = H^T x + g (the guide, 'Files', lists the\n"
+      "formats: Matrix Market, .npy, .npz, text, Abaqus, CalculiX, Harwell-Boeing, PETSc, ...):\n"
       "      --stiffness=K     n x n, sparse or dense; CalculiX's job.sti, with job.dof beside it\n"
       "      --flexibility=F   K^-1, n x n, instead of K\n"
       "      --HN=N --HT=T     n x nodes and n x (d-1) nodes, the normals and the tangents; "
@@ -54,6 +54,9 @@ void source_usage(FILE *out) {
       "      --mu=MU           friction: a number (inf: no slip) or one for each candidate\n"
       "      --weights=P       nodes x candidates, the weighting of the reactions\n"
       "      --W=W --q=Q       the condensed problem u = W r + q itself, instead of K, H, f, g\n"
+      "      --triplets        a text of K, H or P holds lines 'row column value' (MATLAB's [i j "
+      "x],\n"
+      "                        Abaqus COORDINATE), from 0 if an index is 0, else from 1\n"
       "      --dim=D           2 or 3, if the sizes do not determine it; 1: normals alone\n"
       "      --on=W|K          solve on the Delassus matrix W, or on K itself (also for bodies "
       "that\n"
@@ -205,6 +208,17 @@ static int read_numbering(const char *sti, int n, struct matrices *own) {
   return good;
 }
 
+/* Takes the labels that Abaqus gives the n unknowns of K. */
+static int take_labels(struct matrices *own, int n) {
+  own->node = malloc((size_t)n * sizeof *own->node);
+  own->direction = malloc((size_t)n * sizeof *own->direction);
+  for (int k = 0; own->node && own->direction && k < n; k++) {
+    own->node[k] = own->Ks.labels[2 * k];
+    own->direction[k] = own->Ks.labels[2 * k + 1];
+  }
+  return (own->node && own->direction) || refuse("out of memory");
+}
+
 /* Returns the unknown of a node's direction k = 0, 1, ..: -1 if the node is held there, -2 if there
  * is no such node. */
 static int find_unknown(const struct matrices *own, int d, int n, int node, int k) {
@@ -332,7 +346,8 @@ static int find_dimension(const matrix_options *o, int m) {
 }
 
 /* Checks the rows of an operator against the n unknowns of K. */
-static int has_rows(const char *option, const char *path, const dls_sparse *A, int n) {
+static int has_rows(const char *option, const char *path, dls_sparse *A, int n, int triplets) {
+  if (triplets && A->rows < n) A->rows = n; /* the last unknowns have no entry */
   if (A->rows == n) return 1;
   return refuse("--%s: %s has %d row%s, must have %d", option, path, A->rows, plural(A->rows), n);
 }
@@ -343,10 +358,10 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
   const int n = model->n;
   int good = 1, d = o->dim;
   if (o->HN) {
-    good = sparse_read(o->HN, &own->HN) && has_rows("HN", o->HN, &own->HN.view, n);
+    good = sparse_read(o->HN, &own->HN) && has_rows("HN", o->HN, &own->HN.view, n, o->triplets);
     const int nodes = own->HN.view.cols;
     if (good && o->HT) {
-      good = sparse_read(o->HT, &own->HT) && has_rows("HT", o->HT, &own->HT.view, n);
+      good = sparse_read(o->HT, &own->HT) && has_rows("HT", o->HT, &own->HT.view, n, o->triplets);
       const int cols = own->HT.view.cols;
       d = cols == 2 * nodes ? 3 : 2;
       if (good && nodes == 2 * cols)
@@ -364,7 +379,7 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
     if (o->nodes)
       good = operators_of_nodes(o->nodes, n, own, &d, &H);
     else
-      good = sparse_read(o->H, &H) && has_rows("H", o->H, &H.view, n) &&
+      good = sparse_read(o->H, &H) && has_rows("H", o->H, &H.view, n, o->triplets) &&
              (d = find_dimension(o, H.view.cols)) > 0;
     if (good) good = split_columns(&H.view, d, &own->HN, &own->HT);
     if (good && o->dim && o->dim != d) good = refuse("--dim: the normals have %d parts", d);
@@ -384,7 +399,9 @@ static int read_square(const char *option, const char *path, int *n, double **a)
   table t;
   int good = table_read(path, &t);
   if (good && t.rows != t.cols)
-    good = refuse("--%s: %s is %d x %d, must be square", option, path, t.rows, t.cols);
+    good = table_is_triplets(&t)
+               ? refuse_triplets(path)
+               : refuse("--%s: %s is %d x %d, must be square", option, path, t.rows, t.cols);
   if (good) good = (*a = table_by_columns(path, &t)) != NULL;
   *n = t.rows;
   free(t.a);
@@ -404,7 +421,9 @@ static int choose_factorization(const char *path, int symmetric, const char *tri
 }
 
 static int load_stiffness(const char *path, struct matrices *own, dls_model *model) {
-  if (!array_is_sparse(path)) {
+  const int is_sparse = array_is_sparse(path);
+  if (is_sparse < 0) return 0;
+  if (!is_sparse) {
     model->operator_kind = DLS_STIFFNESS_DENSE;
     if (!read_square("stiffness", path, &model->n, &own->K)) return 0;
     model->K = (dls_dense){model->n, model->n, model->n, own->K};
@@ -418,9 +437,11 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
   if (model->Ks.rows != model->Ks.cols)
     return refuse("--stiffness: %s is %d x %d, must be square", path, model->Ks.rows,
                   model->Ks.cols);
-  return choose_factorization(path, sparse_is_symmetric(&model->Ks), sparse_triangle(&model->Ks),
-                              model) &&
-         (!array_is_calculix(path) || read_numbering(path, model->n, own));
+  if (!choose_factorization(path, sparse_is_symmetric(&model->Ks), sparse_triangle(&model->Ks),
+                            model))
+    return 0;
+  if (own->Ks.labels) return take_labels(own, model->n);
+  return !array_is_calculix(path) || read_numbering(path, model->n, own);
 }
 
 static int load_condensed(const matrix_options *o, problem *p) {
@@ -438,6 +459,7 @@ static int load_condensed(const matrix_options *o, problem *p) {
 
 int matrices_load(const matrix_options *o, problem *p) {
   if (!check_matrices(o)) return 0;
+  arrays_of_triplets(o->triplets);
   struct matrices *own = p->matrices = calloc(1, sizeof *own);
   if (!own) return refuse("out of memory");
   if (o->W) return load_condensed(o, p);

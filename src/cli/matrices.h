@@ -11,7 +11,7 @@ typedef struct matrix_options {
   const char *H, *HN, *HT, *nodes;
   const char *f, *q, *g, *mu; /* g, mu: a number or a file */
   const char *weights;
-  int dim;
+  int dim, triplets;
   const char *where; /* --on */
   dls_on on;         /* with any method but auto: DLS_ON_W */
 } matrix_options;
@@ -46,6 +46,7 @@ typedef struct source {
       ROW(A_TEXT, "mu", 0, type, member.matrices.mu),                                              \
       ROW(A_TEXT, "weights", 0, type, member.matrices.weights),                                    \
       ROW(A_COUNT, "dim", 0, type, member.matrices.dim),                                           \
+      ROW(A_FLAG, "triplets", 0, type, member.matrices.triplets),                                  \
       ROW(A_TEXT, "on", 0, type, member.matrices.where),                                           \
       ROW(A_COUNT, "step", 0, type, member.step)
 

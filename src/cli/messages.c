@@ -41,7 +41,11 @@ int refuse(const char *format, ...) {
 }
 
 int complain_of(const char *what, const dls_error *error) {
-  return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
+  const char *text = error->message; /* past the name of the function in C */
+  if (error->function && *error->function) text += strlen(error->function) + 2;
+  const char *said = strncmp(text, "path", 4) == 0 ? strstr(text, ": ") : NULL;
+  if (said) return complain("%s: %s", what, said + 2); /* the name of the file says it */
+  return complain("%s: %s (%s)", what, dls_status_text(error->status), text);
 }
 
 dls_status no_memory(dls_error *error) {

@@ -19,21 +19,21 @@ static int is_hdf5(const char *path) {
 }
 
 const char *other_kind(const char *path) {
-  char first[16] = {0};
+  char first = 0;
+  dlsi_format format;
   FILE *file = fopen(input_path(path), "rb");
-  const size_t got = file ? fread(first, 1, sizeof first, file) : 0;
+  const size_t got = file ? fread(&first, 1, 1, file) : 0;
   if (file) (void)fclose(file);
-  const char *dot = strrchr(path, '.');
-  if (dot && got && (!strcmp(dot, ".sti") || !strcmp(dot, ".mas"))) return "matrix of CalculiX";
-  if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return "matrix";
-  if (got >= 6 && memcmp(first, "\x93NUMPY", 6) == 0) return "matrix of NumPy";
-  return first[0] && strchr("+-.0123456789", first[0]) ? "table of numbers" : NULL;
+  if (!got || dlsi_format_find(array_is_calculix(path) ? path : input_path(path), &format, NULL) ||
+      (format == DLSI_TEXT && !strchr("+-.0123456789", first)))
+    return NULL;
+  return dlsi_format_name(format);
 }
 
 int is_no_problem(const char *path) {
   const char *kind = other_kind(path);
   if (!kind) return 0;
-  return complain("%s is a %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
+  return complain("%s is %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
                   "--f=F --mu=MU; or --W with --q and --mu; an LCP: --lcp M.mtx q.mtx",
                   path, kind, path),
          1;
@@ -50,6 +50,15 @@ int read_lcp_text(const char *path, dls_text **text) {
 
 const char *problem_title(const problem *p) {
   return p->text ? dls_text_title(p->text) : p->file ? dls_fclib_title(p->file) : "";
+}
+
+/* Returns 1 after a complaint of a format that belongs to another program. */
+static int is_foreign(const char *path) {
+  dlsi_format format;
+  dls_error error = {0};
+  if (is_hdf5(path) || dlsi_format_find(input_path(path), &format, &error) != DLS_E_UNSUPPORTED)
+    return 0;
+  return complain_of(path, &error), 1;
 }
 
 /* Refuses --on=K for a file that holds W. */
@@ -117,7 +126,7 @@ int problem_open(const char *name, const source *wanted, problem *p) {
   } else if (kind) {
     status = problem_of_scene(name, from, p, &error);
   } else {
-    if (is_nothing(name) || is_no_problem(name)) return 0;
+    if (is_nothing(name) || is_no_problem(name) || is_foreign(name)) return 0;
     status = problem_of_file(name, from, p, &error);
   }
   if (status < 0) (void)complain_of(name, &error);

@@ -480,22 +480,21 @@ static int solve_lcp_columns(const char *path, const dls_sparse *A, const double
 }
 
 static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
-  dls_error error = {0};
-  dls_sparse M = {0};
-  double *q = NULL;
-  int q_rows, q_cols, result = EXIT_BAD_INPUT;
-  if (dls_mtx_read_sparse(input_path(path_M), &M, NULL, &error))
-    (void)complain_of(path_M, &error);
-  else if (dls_mtx_read(input_path(path_q), &q_rows, &q_cols, &q, &error))
-    (void)complain_of(path_q, &error);
-  else if (M.rows != M.cols || M.rows < 1)
-    (void)complain("%s: M is %d x %d, must be square", path_M, M.rows, M.cols);
-  else if ((q_rows != M.rows || q_cols != 1) && (q_rows != 1 || q_cols != M.rows))
-    (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, M.rows);
-  else
-    result = solve_lcp_columns(path_M, &M, q, options);
-  dls_mtx_free_sparse(&M);
-  dls_mtx_free(q);
+  sparse A = {0};
+  table q = {0};
+  int result = EXIT_BAD_INPUT;
+  arrays_of_triplets(options->from.matrices.triplets);
+  if (sparse_read(path_M, &A) && table_read(path_q, &q)) {
+    const dls_sparse *M = &A.view;
+    if (M->rows != M->cols || M->rows < 1)
+      (void)complain("%s: M is %d x %d, must be square", path_M, M->rows, M->cols);
+    else if ((q.rows != M->rows || q.cols != 1) && (q.rows != 1 || q.cols != M->rows))
+      (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q.rows, q.cols, M->rows);
+    else
+      result = solve_lcp_columns(path_M, M, q.a, options);
+  }
+  sparse_free(&A);
+  free(q.a);
   return result;
 }
 

@@ -1,5 +1,6 @@
 /* file.c: opens files for reading, distinguishes what goes wrong; reads numbers. */
 #define _XOPEN_SOURCE 700
+#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -11,12 +12,16 @@
 FILE *dlsi_file_open(const char *path, dls_error *error) {
   FILE *file = fopen(path, "rb");
   if (!file) {
-    (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened");
+    (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%s",
+                    errno == ENOENT   ? "does not exist"
+                    : errno == EACCES ? "cannot be opened: permission denied"
+                                      : "cannot be opened");
     return NULL;
   }
   const int first = getc(file); /* a directory can be opened, but not read */
   if (ferror(file)) {
-    (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
+    (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0,
+                    errno == EISDIR ? "is a directory" : "cannot be read");
     (void)fclose(file);
     return NULL;
   }
@@ -31,6 +36,26 @@ long long dlsi_file_size(FILE *file) {
   struct stat entry;
   if (fstat(fileno(file), &entry) || !S_ISREG(entry.st_mode)) return -1;
   return (long long)entry.st_size;
+}
+
+dls_status dlsi_file_content(FILE *file, char **content, size_t *size, dls_error *error) {
+  *content = NULL;
+  *size = 0;
+  for (size_t room = 0;;) {
+    if (*size + 1 >= room) {
+      char *more = room > SIZE_MAX / 4 ? NULL : dlsi_alloc(2 * room + 4096, 1);
+      if (!more) return dlsi_no_memory(error);
+      if (*size) memcpy(more, *content, *size);
+      free(*content);
+      *content = more;
+      room = 2 * room + 4096;
+    }
+    const size_t got = fread(*content + *size, 1, room - *size - 1, file);
+    *size += got;
+    if (!got) break;
+  }
+  (*content)[*size] = '\0';
+  return ferror(file) ? dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read") : DLS_OK;
 }
 
 /* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word. The

@@ -16,9 +16,19 @@ FILE *dlsi_file_open(const char *path, dls_error *error);
  * before you allocate memory. */
 long long dlsi_file_size(FILE *file);
 
+/* *content := all of the file behind its place, *size bytes and a 0; free it after an error. */
+dls_status dlsi_file_content(FILE *file, char **content, size_t *size, dls_error *error);
+
 /* Reads a real Matrix Market file; lists both halves of a symmetric one. Free t also after an
  * error. Errors of dls_mtx_read. */
 dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error);
+
+/* Does the same, or where `calculix` reads that format; *symmetric (or NULL): of the whole. */
+dls_status dlsi_mtx_read_file(const char *path, int calculix, dlsi_triplets *t, int *symmetric,
+                              dls_error *error);
+
+/* Returns the triplets as new compressed columns, whose arrays dls_mtx_free_sparse frees. */
+dls_status dlsi_mtx_columns(const dlsi_triplets *t, dls_sparse *A, dls_error *error);
 
 /* Reads a finite decimal number, a word of `length` characters, with a decimal point in every
  * locale of the host, also with exponents of Fortran (1D0). Returns 0 for any other word. */

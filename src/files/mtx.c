@@ -78,6 +78,14 @@ static void require(scanner *s, int holds, const char *text) {
   if (!holds) blame(s, DLS_E_FORMAT, text);
 }
 
+/* Requires that the word, which is `here`, is a number, *x. */
+static void require_number(scanner *s, int here, double *x) {
+  if (here && dlsi_read_number(s->word, s->length, x)) return;
+  blame(s, DLS_E_FORMAT,
+        here && strchr(s->word, ',') ? "has a comma, decimals have a point"
+                                     : "is no finite number");
+}
+
 /* Returns 1 if the word is `text`, which is in lower case, in any mix of cases. */
 static int says(const scanner *s, const char *text) {
   if (s->length != strlen(text)) return 0;
@@ -208,7 +216,7 @@ static void read_array(scanner *s, const layout *form, const target *to) {
       double x = 0;
       scan(s);
       require(s, s->length > 0, "there are too few values");
-      require(s, dlsi_read_number(s->word, s->length, &x), "is no finite number");
+      require_number(s, 1, &x);
       if (s->status) return;
       put_value(form, to, i, j, x);
     }
@@ -226,7 +234,7 @@ static void read_coordinates(scanner *s, const layout *form, const target *to) {
             "is no column of the matrix");
     require(s, form->kind == GENERAL || (form->kind == SKEW ? i > j : i >= j),
             "must be in the lower triangle");
-    require(s, scan_on(s, line) && dlsi_read_number(s->word, s->length, &x), "is no finite number");
+    require_number(s, scan_on(s, line), &x);
     if (s->status) return;
     put_value(form, to, i - 1, j - 1, x);
   }
@@ -318,14 +326,13 @@ static dls_status read_calculix(scanner *s, dlsi_triplets *t) {
     scan(s);
     (void)to_int(s, &col);
     scan(s);
-    require(s, dlsi_read_number(s->word, s->length, &x), "is no finite number");
+    require_number(s, 1, &x);
     if (!s->status) put_value(&form, &(target){.t = t}, row - 1, col - 1, x);
   }
   return s->status;
 }
 
-/* Returns the triplets as new compressed columns. */
-static dls_status hand_columns(const dlsi_triplets *t, dls_sparse *A, dls_error *error) {
+dls_status dlsi_mtx_columns(const dlsi_triplets *t, dls_sparse *A, dls_error *error) {
   dlsi_columns columns = {0};
   const dls_status status = dlsi_columns_compress(t, 1, DLSI_ALL, &columns, error);
   if (status)
@@ -335,9 +342,8 @@ static dls_status hand_columns(const dlsi_triplets *t, dls_sparse *A, dls_error 
   return status;
 }
 
-/* Reads a file of either kind into triplets. On error, too, the caller frees t. */
-static dls_status read_file(const char *path, int calculix, dlsi_triplets *t, int *symmetric,
-                            dls_error *error) {
+dls_status dlsi_mtx_read_file(const char *path, int calculix, dlsi_triplets *t, int *symmetric,
+                              dls_error *error) {
   FILE *file = dlsi_file_open(path, error);
   if (!file) return DLS_E_FILE;
   scanner s = {.file = file, .next = 1, .error = error};
@@ -357,30 +363,7 @@ static dls_status read_file(const char *path, int calculix, dlsi_triplets *t, in
 
 dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error) {
   *t = (dlsi_triplets){0};
-  return read_file(path, 0, t, NULL, error);
-}
-
-static dls_status read_sparse(const char *path, int calculix, dls_sparse *A, int *symmetric,
-                              dls_error *error) {
-  if (!path) return dlsi_is_null(error, "path");
-  if (!A) return dlsi_is_null(error, "A");
-  dlsi_triplets t = {0};
-  int is_symmetric = 0;
-  dls_status status = read_file(path, calculix, &t, &is_symmetric, error);
-  if (!status) status = hand_columns(&t, A, error);
-  dlsi_triplets_free(&t);
-  if (!status && symmetric) *symmetric = is_symmetric;
-  return status;
-}
-
-dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric, dls_error *error) {
-  DLSI_DOOR;
-  return dlsi_at(__func__, read_sparse(path, 0, A, symmetric, error), error);
-}
-
-dls_status dls_calculix_read(const char *path, dls_sparse *A, dls_error *error) {
-  DLSI_DOOR;
-  return dlsi_at(__func__, read_sparse(path, 1, A, NULL, error), error);
+  return dlsi_mtx_read_file(path, 0, t, NULL, error);
 }
 
 void dls_mtx_free_sparse(dls_sparse *A) {

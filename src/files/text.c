@@ -178,29 +178,6 @@ static dls_status take_line(text_reader *reader, char *key) {
 
 /* ---- the file -------------------------------------------------------------------------------- */
 
-/* *content := all of the file, ended by 0. */
-static dls_status read_content(FILE *file, char **content, dls_error *error) {
-  size_t size = 0, room = 0;
-  for (;;) {
-    if (size + 1 >= room) {
-      char *more = room > SIZE_MAX / 4 ? NULL : dlsi_alloc(2 * room + 4096, 1);
-      if (!more) return dlsi_no_memory(error);
-      if (size) memcpy(more, *content, size);
-      free(*content);
-      *content = more;
-      room = 2 * room + 4096;
-    }
-    const size_t got = fread(*content + size, 1, room - size - 1, file);
-    size += got;
-    if (!got) break;
-  }
-  (*content)[size] = '\0';
-  if (ferror(file)) return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
-  if (strlen(*content) != size)
-    return dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "is neither text nor an HDF5 file");
-  return DLS_OK;
-}
-
 static dls_status text_parse(dls_text *to, dls_error *error) {
   text_reader reader = {.to = to, .next = to->content, .error = error};
   for (char *line; (line = next_line(&reader));) {
@@ -231,11 +208,14 @@ dls_status dls_text_read(dls_text **out, const char *path, dls_error *error) {
   if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
   FILE *file = dlsi_file_open(path, error);
   if (!file) return dlsi_at(__func__, DLS_E_FILE, error);
+  size_t size = 0;
   dls_text *text = dlsi_alloc(1, sizeof *text);
   dls_status status = text ? DLS_OK : dlsi_no_memory(error);
   if (text) {
     *text = (dls_text){.n = 0};
-    status = read_content(file, &text->content, error);
+    status = dlsi_file_content(file, &text->content, &size, error);
+    if (!status && strlen(text->content) != size)
+      status = dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "is neither text nor an HDF5 file");
   }
   (void)fclose(file);
   if (!status) status = text_parse(text, error);

@@ -371,11 +371,35 @@ START_TEST(free_body) {
 END_TEST
 
 /* Each line: the arguments, and what the complaint says. */
+/* The point of a spring model by lines row column value, H_N without its last rows; by labels. */
+START_TEST(triplets_and_labels) {
+  put("K.txt", "1 1 3\n1 2 1\n2 1 1\n2 2 2\n3 3 5\n");
+  put("N.txt", "2 1 1\n");
+  put("T.txt", "1 1 1\n");
+  put("f.txt", "5\n-10\n0\n");
+  put("K.mtx", "1,1, 1,1, 3.\n1,2, 1,1, 1.\n1,2, 1,2, 2.\n9,1, 9,1, 5.\n");
+  put("nodes.txt", "1 0 1\n");
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --f @/f.txt --mu 0.2 "
+                       "--triplets --csv @"),
+                   0);
+  char by_triplets[100000];
+  (void)snprintf(by_triplets, sizeof by_triplets, "%s", get("r.csv"));
+  ck_assert_ptr_nonnull(strstr(by_triplets, "10.9375"));
+  ck_assert_int_eq(run("solve --stiffness @/K.mtx --nodes @/nodes.txt --f @/f.txt --mu 0.2 "
+                       "--csv @"),
+                   0);
+  ck_assert_str_eq(get("r.csv"), by_triplets);
+  ck_assert_ptr_nonnull(strstr(get("x.csv"), "\n9,1,0\n"));
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --mu 0"), 2);
+  ck_assert_ptr_nonnull(strstr(output, "looks like triplets"));
+}
+END_TEST
+
 START_TEST(bad_matrices_are_2) {
   static const char *const wrong[][2] = {
       {"--HN @/N.txt --f @/f.txt", "one of --stiffness"},
       {"--stiffness @/K.txt --flexibility @/K.txt --HN @/N.txt", "one of --stiffness"},
-      {"--stiffness @/none --HN @/N.txt", "cannot be opened"},
+      {"--stiffness @/none --HN @/N.txt", "/none: does not exist"},
       {"--stiffness @/K.txt --f @/f.txt --mu 0", "one of --HN"},
       {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt", "give --mu, 0 for no friction"},
       {"--stiffness @/K.txt --HN @/N.txt --mu 0.3", "needs the tangents"},
@@ -403,13 +427,12 @@ START_TEST(bad_matrices_are_2) {
       {"--W @/K.txt --mu 0.1", "--W: needs --q"},
       {"--W @/K.txt --q @/f.txt --mu 0.1 --f @/f.txt", "--W: goes with"},
       {"--W @/K.txt --q @/three.txt --mu 0.1 --dim 2", "must hold 2"},
-      {"--W @/K.txt --q @/broken.npy --mu 0.1 --dim 2", "no .npy"},
-      {"--W @/zip.npz --q @/f.txt --mu 0.1", "scipy.io.mmwrite"},
-      {"--stiffness @/zip.npz --HN @/N.txt", "numpy.save"},
+      {"--W @/K.txt --q @/broken.npy --mu 0.1 --dim 2", "no array of real numbers"},
+      {"--W @/K.txt --q @/zip.npz --mu 0.1 --dim 2", "a sparse matrix, no vector"},
+      {"--stiffness @/zip.npz --HN @/N.txt", "write an array by numpy.save"},
       {"--flexibility @/K.txt --HN @/N.txt --on=K", "is for --stiffness"},
       {"--stiffness @/K.txt --HN @/N.txt --json --print", "--print"},
       {"--stiffness @/K.txt --HN @/N.txt -v --csv /dev/null/x", "/dev/null/x"},
-      {"--stiffness @/none --HN @/N.txt", "No such file"},
   };
   put("K.txt", "3 1\n1 2\n");
   put("lower.txt", "3 0\n1 2\n");
@@ -466,6 +489,6 @@ END_TEST
 int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
              ONCE(one_h_one_list_and_npy), ONCE(npy_headers), ONCE(pipes), ONCE(mark_and_exponents),
-             ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(bad_matrices_are_2),
-             ONCE(last_line), ONCE(entries_of_all_sizes));
+             ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(triplets_and_labels),
+             ONCE(bad_matrices_are_2), ONCE(last_line), ONCE(entries_of_all_sizes));
 }

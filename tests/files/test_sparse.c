@@ -11,17 +11,20 @@
 #include "malloc_fails.h"
 #include "run.h"
 
-static char path[64];
+static char path[64], as_mtx[64]; /* one file; the name of the first is CalculiX's */
 
 static void make_file(void) {
-  (void)snprintf(path, sizeof path, "/tmp/delassus-sparse-XXXXXX");
-  const int file = mkstemp(path);
+  (void)snprintf(path, sizeof path, "/tmp/delassus-sparse-XXXXXX.sti");
+  const int file = mkstemps(path, 4);
   ck_assert_int_ge(file, 0);
   (void)close(file);
+  (void)snprintf(as_mtx, sizeof as_mtx, "%.*s", (int)strlen(path) - 4, path);
+  ck_assert_int_eq(symlink(path, as_mtx), 0);
 }
 
 static void remove_file(void) {
   (void)remove(path);
+  (void)remove(as_mtx);
 }
 
 static void put(const char *text) {
@@ -53,22 +56,22 @@ START_TEST(matrix_market) {
   dls_sparse A;
   int symmetric = -1;
   put("%%MatrixMarket matrix coordinate real general\n% c\n2 3 3\n1 1 1.5\n2 3 -2\n2 3 -1\n");
-  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, &symmetric, NULL), DLS_OK);
+  ck_assert_int_eq(dls_matrix_read(as_mtx, 0, &A, &symmetric, NULL, NULL), DLS_OK);
   is_matrix(&A, 2, 3, 3, (const double[]){1.5, 0, 0, 0, 0, -3});
   ck_assert_int_eq(symmetric, 0);
   dls_mtx_free_sparse(&A);
   ck_assert(!A.p && !A.i && !A.x && !A.rows);
   put("%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 4\n2 1 7\n");
-  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, &symmetric, NULL), DLS_OK);
+  ck_assert_int_eq(dls_matrix_read(as_mtx, 0, &A, &symmetric, NULL, NULL), DLS_OK);
   is_matrix(&A, 2, 2, 3, (const double[]){4, 7, 7, 0});
   ck_assert_int_eq(symmetric, 1);
   dls_mtx_free_sparse(&A);
   put("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 1 7\n");
-  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_matrix_read(as_mtx, 0, &A, NULL, NULL, NULL), DLS_OK);
   is_matrix(&A, 2, 2, 2, (const double[]){0, -7, 7, 0});
   dls_mtx_free_sparse(&A);
   put("%%MatrixMarket matrix array real general\n2 2\n1\n0\n0\n3\n");
-  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, &symmetric, NULL), DLS_OK);
+  ck_assert_int_eq(dls_matrix_read(as_mtx, 0, &A, &symmetric, NULL, NULL), DLS_OK);
   is_matrix(&A, 2, 2, 2, (const double[]){1, 0, 0, 3});
   dls_mtx_free_sparse(&A);
   dls_mtx_free_sparse(NULL);
@@ -87,7 +90,7 @@ START_TEST(full_array) {
   }
   put(text);
   dls_sparse A;
-  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_matrix_read(as_mtx, 0, &A, NULL, NULL, NULL), DLS_OK);
   is_matrix(&A, n, n, n * n, a);
   dls_mtx_free_sparse(&A);
 }
@@ -96,7 +99,7 @@ END_TEST
 START_TEST(of_calculix) {
   dls_sparse A;
   put("1 1  3.0000000000000e+00\n1 2 -1.0e+00\n2 2 2\n3 3 5\n");
-  ck_assert_int_eq(dls_calculix_read(path, &A, NULL), DLS_OK);
+  ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, NULL), DLS_OK);
   is_matrix(&A, 3, 3, 5, (const double[]){3, -1, 0, -1, 2, 0, 0, 0, 5});
   dls_mtx_free_sparse(&A);
 }
@@ -122,7 +125,7 @@ START_TEST(few_entries) {
     if (entries < n) ck_assert(rows == 77 && cols == 77 && !a && e.index == 2);
     dls_mtx_free(a);
     dls_sparse A;
-    ck_assert_int_eq(dls_mtx_read_sparse(path, &A, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_matrix_read(as_mtx, 0, &A, NULL, NULL, NULL), DLS_OK);
     dls_mtx_free_sparse(&A);
   }
 }
@@ -135,7 +138,7 @@ START_TEST(bad_files) {
     dls_status status;
     long long line;
   } bad[] = {
-      {0, "", DLS_E_FORMAT, 1},
+      {0, "", DLS_E_FORMAT, -1}, /* text */
       {0, "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1\n", DLS_E_FORMAT, 4},
       {0, "%%MatrixMarket matrix coordinate real general\n2 2 1\n1 3 1\n", DLS_E_FORMAT, 3},
       {0, "%%MatrixMarket matrix coordinate real general\n2 2 1\n1 1 nan\n", DLS_E_FORMAT, 3},
@@ -153,19 +156,19 @@ START_TEST(bad_files) {
     dls_sparse A = {.rows = 77};
     dls_error error = {0};
     put(bad[k].text);
-    const dls_status status = bad[k].calculix ? dls_calculix_read(path, &A, &error)
-                                              : dls_mtx_read_sparse(path, &A, NULL, &error);
+    const dls_status status = bad[k].calculix ? dls_matrix_read(path, 0, &A, NULL, NULL, &error)
+                                              : dls_matrix_read(as_mtx, 0, &A, NULL, NULL, &error);
     ck_assert_msg(status == bad[k].status, "%zu: %s", k, error.message);
     ck_assert_msg(error.index == bad[k].line, "%zu: %s", k, error.message);
     ck_assert_int_eq(A.rows, 77);
   }
   dls_sparse A;
   dls_error error;
-  ck_assert_int_eq(dls_mtx_read_sparse("/nowhere/at/all", &A, NULL, &error), DLS_E_FILE);
-  ck_assert_str_eq(error.function, "dls_mtx_read_sparse");
-  ck_assert_int_eq(dls_mtx_read_sparse(NULL, &A, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_matrix_read("/nowhere/at/all", 0, &A, NULL, NULL, &error), DLS_E_FILE);
+  ck_assert_str_eq(error.function, "dls_matrix_read");
+  ck_assert_int_eq(dls_matrix_read(NULL, 0, &A, NULL, NULL, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "path");
-  ck_assert_int_eq(dls_calculix_read(path, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_matrix_read(path, 0, NULL, NULL, NULL, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "A");
 }
 END_TEST
@@ -179,8 +182,8 @@ START_TEST(failing_mallocs) {
     for (long k = 1; status; k++) {
       dls_sparse A = {.rows = 77};
       malloc_fails_at(k);
-      status =
-          calculix ? dls_calculix_read(path, &A, NULL) : dls_mtx_read_sparse(path, &A, NULL, NULL);
+      status = calculix ? dls_matrix_read(path, 0, &A, NULL, NULL, NULL)
+                        : dls_matrix_read(as_mtx, 0, &A, NULL, NULL, NULL);
       malloc_fails_at(0);
       ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && A.rows == 77));
       ck_assert_int_lt(k, 20);

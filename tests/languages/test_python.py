@@ -16,6 +16,7 @@ import time
 import unittest
 
 import numpy as np
+import scipy.io
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
@@ -871,6 +872,70 @@ class Lcp(unittest.TestCase):
                       dict(z0=[1.0]), dict(tol=-1.0), dict(M=[[1.0]]), dict(q=q * np.nan)):
             with self.assertRaises(ValueError, msg=wrong.keys()):
                 delassus.solve_lcp(**{**dict(M=M, q=q), **wrong})
+
+
+class Files(unittest.TestCase):
+    """Matrices as other codes write them."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        random = np.random.default_rng(7)
+        A = sp.random(60, 60, 0.1, random_state=random, format="csc")
+        self.K = (A + A.T + sp.eye(60) * 4).tocsc()
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def same(self, name, **settings):
+        read = delassus.read_matrix(self.path(name), **settings)
+        self.assertEqual(read.shape, self.K.shape)
+        self.assertEqual(abs(read - self.K).max(), 0, name)
+
+    def test_scipy(self):
+        for kind in ("csc", "csr", "coo"):
+            for packed in (True, False):
+                sp.save_npz(self.path("K.npz"), self.K.asformat(kind), compressed=packed)
+                self.same("K.npz")
+        scipy.io.hb_write(self.path("K.rua"), self.K)
+        back = delassus.read_matrix(self.path("K.rua"))
+        np.testing.assert_allclose(back.toarray(), self.K.toarray(), rtol=1e-14)
+        scipy.io.mmwrite(self.path("K.mtx"), self.K, precision=17)
+        self.same("K.mtx")
+        np.save(self.path("K.npy"), self.K.toarray())
+        self.same("K.npy")
+        # long runs, of which deflate makes short ones
+        eye = sp.eye(20000, format="csc")
+        sp.save_npz(self.path("I.npz"), eye)
+        self.assertEqual(abs(delassus.read_matrix(self.path("I.npz")) - eye).max(), 0)
+
+    def test_triplets(self):
+        c = self.K.tocoo()
+        for base in (0, 1):
+            np.savetxt(self.path("K.txt"), np.c_[c.row + base, c.col + base, c.data],
+                       fmt="%d %d %.17g")
+            self.same("K.txt", triplets=True)
+        matrix, rows = delassus.read_matrix(self.path("K.txt"), triplets=True, labels=True)
+        self.assertIsNone(rows)
+
+    def test_labels(self):
+        with open(self.path("job_STIF1.mtx"), "w", encoding="utf-8") as file:
+            file.write("3,1, 3,1, 2.\n3,2, 3,1, -1.\n3,2, 3,2, 2.\n")
+        matrix, rows = delassus.read_matrix(self.path("job_STIF1.mtx"), labels=True)
+        np.testing.assert_array_equal(matrix.toarray(), [[2, -1], [-1, 2]])
+        np.testing.assert_array_equal(rows, [[3, 1], [3, 2]])
+
+    def test_messages(self):
+        scipy.io.savemat(self.path("K.mat"), {"K": self.K})
+        sp.save_npz(self.path("K.npz"), self.sp.dia_matrix(np.eye(3)))
+        for name, says in (("K.mat", "triplets=True"), ("K.npz", "K.tocsc()"),
+                           ("none", "does not exist")):
+            with self.assertRaises(delassus.Error) as caught:
+                delassus.read_matrix(self.path(name))
+            self.assertIn(says, str(caught.exception))
+            self.assertNotIn("dls_", str(caught.exception))
 
 
 class Owners(unittest.TestCase):

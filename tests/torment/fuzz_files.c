@@ -225,13 +225,21 @@ void fuzz_mtx(const unsigned char *data, size_t size) {
     for (size_t k = 0; k < (size_t)rows * (size_t)cols; k++)
       FUZZ_CHECK(a[k] - a[k] == 0);
   dls_mtx_free(a);
-  if (dls_mtx_read_sparse(path, &A, &symmetric, NULL) == DLS_OK) check_columns(&A);
-  dls_mtx_free_sparse(&A);
+  for (int triplets = 0; triplets < 2; triplets++) { /* of whatever format */
+    int *labels = NULL;
+    if (dls_matrix_read(path, triplets, &A, &symmetric, &labels, NULL) == DLS_OK) check_columns(&A);
+    dls_mtx_free_sparse(&A);
+    dls_matrix_free_labels(labels);
+  }
 }
 
 void fuzz_calculix(const unsigned char *data, size_t size) {
   dls_sparse A = {0};
-  if (dls_calculix_read(fuzz_file(data, size), &A, NULL) == DLS_OK) check_columns(&A);
+  dlsi_triplets t = {0};
+  if (dlsi_mtx_read_file(fuzz_file(data, size), 1, &t, NULL, NULL) == DLS_OK &&
+      dlsi_mtx_columns(&t, &A, NULL) == DLS_OK)
+    check_columns(&A);
+  dlsi_triplets_free(&t);
   dls_mtx_free_sparse(&A);
 }
 

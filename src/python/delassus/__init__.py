@@ -11,6 +11,7 @@ from ._library import (Error, InputError, NoDerivativeError, OutOfMemoryError, S
 from .batch import Batch, solve_many
 from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
 from .derivative import Gradient, Moved
+from .files import read_matrix
 from .geometry import Pairs, RigidBodies, pairs
 from .lcp import LcpSolution, solve_lcp
 from .motion import Motion, NotCertified
@@ -21,7 +22,7 @@ __all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSoluti
            "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress",
            "Proof", "Reduction", "RigidBodies", "SingularError", "Solution", "Solver", "Stage",
            "StateError", "UnsupportedError", "__version__", "certify", "constants", "pairs",
-           "reduce", "solve", "solve_lcp", "solve_many"]
+           "read_matrix", "reduce", "solve", "solve_lcp", "solve_many"]
 
 
 def __getattr__(name: str) -> int:

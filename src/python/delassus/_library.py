@@ -32,26 +32,23 @@ Matrix = Union[npt.ArrayLike, SparseMatrix]
 _NAME = "libdelassus.so.0"
 
 
-def _load() -> ctypes.CDLL:
-    """Returns the library: $DELASSUS_LIBRARY, else the one beside the package (pip), in a directory
-    or a build/ above it (make install-python, the source tree), else what the loader finds."""
-    named = os.environ.get("DELASSUS_LIBRARY")
-    if named:
-        return ctypes.CDLL(named)
+def find_library(name: str, variable: str) -> ctypes.CDLL:
+    """Returns a library: the one that an environment variable names, else the one beside the
+    package (pip), in a directory or a build/ above it (make install-python, the source tree), else
+    what the loader finds."""
+    named = os.environ.get(variable)
     here = pathlib.Path(__file__).resolve().parent
-    places = [here / _NAME]
+    places = [here / name]
     for above in here.parents[:4]:
-        places += [above / _NAME, above / "build" / _NAME]
-    for place in places:
-        if place.exists():
-            return ctypes.CDLL(str(place))
-    return ctypes.CDLL(_NAME)
+        places += [above / name, above / "build" / name]
+    found = named or next((str(place) for place in places if place.exists()), name)
+    try:
+        return ctypes.CDLL(found)
+    except OSError as reason:
+        raise ImportError(f"delassus: no {name} ({reason}); {variable} may name it") from reason
 
 
-try:
-    lib = _load()
-except OSError as reason:
-    raise ImportError(f"delassus: no {_NAME} ({reason}); DELASSUS_LIBRARY may name it") from reason
+lib = find_library(_NAME, "DELASSUS_LIBRARY")
 
 
 # ---- structs and constants, from the library's own table -----------------------------------------
@@ -325,9 +322,13 @@ _KINDS = {"DLS_E_NO_DERIVATIVE": NoDerivativeError, "DLS_E_MEMORY": OutOfMemoryE
           "DLS_E_CALLBACK": StateError, "DLS_E_BUSY": StateError}
 
 
-def _error(error: Any) -> Error:
-    """Returns the exception of a dls_error."""
-    return _KINDS.get(lib.dls_status_name(error.status).decode(), InputError)(error)
+def error_of(error: Any, file: str = "") -> Error:
+    """Returns the exception of a dls_error, about a file if one is named."""
+    kind = _KINDS.get(lib.dls_status_name(error.status).decode(), InputError)
+    made: Error = kind(error)
+    if file and made.argument == "path":
+        made.args = (f"{file}: " + str(made).split(": ", 2)[-1].replace("--triplets", "triplets=True"),)
+    return made
 
 
 def _restore(kind: type[Error], arguments: tuple[Any, ...], state: dict[str, Any]) -> Error:
@@ -353,7 +354,7 @@ def call(name: str, *arguments: Any) -> int:
     error = structs["dls_error"]()
     status: int = getattr(lib, name)(*arguments, byref(error))
     if status < 0:
-        raise _error(error)
+        raise error_of(error)
     return status
 
 
