@@ -70,8 +70,8 @@ endif
 OPENMP_LIBS := $(if $(OPENMP),$(if $(findstring clang,$(shell $(CC) --version)),-fopenmp,-lgomp))
 # of libdelassus; of libdelassus-files; of a program
 CORE_LIBS = $(MUMPS_LIBS) $(BLAS_LIBS) $(OPENMP_LIBS) -lm -pthread
-FILES_LIBS = $(HDF5_LIBS) -lm -pthread
-LIBS = $(HDF5_LIBS) $(CORE_LIBS)
+FILES_LIBS = $(HDF5_LIBS) -lz -lm -pthread
+LIBS = $(HDF5_LIBS) -lz $(CORE_LIBS)
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 MPI ?= 0

@@ -49,7 +49,7 @@ unpack() {
   # shellcheck disable=SC2086
   apt-get $options update -q >/dev/null 2>&1 # a list that is missing may not be needed
   # shellcheck disable=SC2086
-  (cd "$root/debs" && apt-get $options download -q libblas-dev liblapack-dev libgfortran-12-dev libgcc-12-dev check libsubunit-dev >/dev/null) || return 1
+  (cd "$root/debs" && apt-get $options download -q libblas-dev liblapack-dev libgfortran-12-dev libgcc-12-dev check libsubunit-dev zlib1g-dev >/dev/null) || return 1
   for deb in "$root"/debs/*.deb; do dpkg -x "$deb" "$root" || return 1; done
   rm -rf "$root/debs" "$root/apt"
   touch "$root/done"

@@ -52,7 +52,4 @@ dls_status dlsi_petsc_vector(const dlsi_bytes *file, dlsi_table *t, dls_error *e
 dls_status dlsi_npy_read(const dlsi_bytes *file, dlsi_table *t, dls_error *error);
 dls_status dlsi_npz_read(const dlsi_bytes *file, dlsi_triplets *t, dls_error *error);
 
-/* Unpacks deflated bytes (RFC 1951) to exactly `size`; returns 0 if they are broken. */
-int dlsi_inflate(const dlsi_bytes *from, unsigned char *to, size_t size);
-
 #endif

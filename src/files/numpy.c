@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "files/formats.h"
 
@@ -111,15 +112,16 @@ static unsigned long get_bytes(const unsigned char *at, int count) {
   return value & 0xffffffffUL;
 }
 
-/* Returns the checksum of a member: CRC-32, bit by bit. */
-static uint32_t check_sum(const unsigned char *x, size_t size) {
-  uint32_t sum = 0xffffffffU;
-  for (size_t k = 0; k < size; k++) {
-    sum ^= x[k];
-    for (int bit = 0; bit < 8; bit++)
-      sum = sum & 1 ? sum >> 1 ^ 0xedb88320U : sum >> 1;
-  }
-  return ~sum;
+/* Unpacks deflated bytes (RFC 1951) to exactly to->size. 0: broken; -1: memory. */
+static int inflate_whole(const dlsi_bytes *from, const dlsi_bytes *to) {
+  z_stream stream = {.next_in = (Bytef *)from->at,
+                     .avail_in = (uInt)from->size,
+                     .next_out = (Bytef *)to->at,
+                     .avail_out = (uInt)to->size};
+  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return -1;
+  const int end = inflate(&stream, Z_FINISH);
+  (void)inflateEnd(&stream);
+  return end == Z_MEM_ERROR ? -1 : end == Z_STREAM_END && stream.avail_out == 0;
 }
 
 /* Unpacks the member of an entry of the zip's directory. *to: new bytes. 0: broken; -1: memory. */
@@ -140,8 +142,8 @@ static int unpack_member(const dlsi_bytes *zip, const unsigned char *entry, dlsi
   const dlsi_bytes from = {zip->at + begin, packed};
   *to = (dlsi_bytes){bytes, size};
   if (method == 0) memcpy(bytes, from.at, size);
-  return (method == 0 || dlsi_inflate(&from, bytes, size)) &&
-         check_sum(bytes, size) == get_bytes(entry + 16, 4);
+  const int whole = method == 0 ? 1 : inflate_whole(&from, to);
+  return whole > 0 ? crc32_z(0, bytes, size) == get_bytes(entry + 16, 4) : whole;
 }
 
 /* The members of a sparse matrix. */

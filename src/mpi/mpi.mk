@@ -7,7 +7,7 @@ MPI_SO = $(BUILD)/libdelassus-mpi.so
 MPI_PROGRAM = $(BUILD)/delassus-mpi
 # of the library; of a program that reads files
 MPI_CORE_LIBS = $(MPI_LIBS) $(CORE_LIBS)
-MPI_LIBS_ALL = $(HDF5_LIBS) $(MPI_CORE_LIBS)
+MPI_LIBS_ALL = $(HDF5_LIBS) -lz $(MPI_CORE_LIBS)
 MPI_TESTS := $(patsubst tests/mpi/%.c,$(BUILD)/mpi/%,$(wildcard tests/mpi/test_*.c))
 # PETSc's example where petsc-dev is there
 PETSC_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --silence-errors --cflags petsc))
