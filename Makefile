@@ -536,7 +536,7 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,hard) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call bench_obj,papers) $(call obj,$(addprefix tests/shared/,rigid.c solids.c faces.c)): CPP_OF += -Itests/shared
+$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,hard) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call bench_obj,papers) $(call obj,$(addprefix tests/shared/,rigid.c solids.c)): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
@@ -560,7 +560,7 @@ $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c)
 $(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/hard: $(call bench_obj,hard) $(call obj,$(addprefix bench/,solvers_scenes.c regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.c tests/shared/faces.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics

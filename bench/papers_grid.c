@@ -15,7 +15,6 @@
 #include <stdlib.h>
 
 #include "common.h"
-#include "faces.h"
 
 static const double side = 4, young = 260, poisson = 0.2;
 static const double pressure = 1, traction[2] = {1.8, 5}; /* at the bottom, on top */
@@ -215,9 +214,10 @@ static int grid_weighting(grid *g, const shape *s, int weighted, double mu) {
     g->P.x[c] = 1;
     g->P.p[c + 1] = (int)c + 1;
   }
-  const face_line along = {g->order, nx, at, candidate}, across = {g->order, ny, at + nx, NULL};
+  int columns;
   if (weighted && !bad)
-    bad = faces_weighting(&along, &across, g->P.p, g->P.i, g->P.x, g->area) != (int)count;
+    bad = dls_weighting_face(g->order, nx, at, candidate, ny, at + nx, NULL, g->P.p, g->P.i, g->P.x,
+                             g->area, &columns, NULL) != DLS_OK;
   for (int e = 0; !bad && e < g->P.p[count]; e++)
     g->least = fmin(g->least, g->P.x[e]);
   g->candidates = (int)count;

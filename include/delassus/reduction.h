@@ -258,14 +258,31 @@ DLS_API DLS_MUST_USE dls_status dls_weighting_line(int nodes, const double *s, c
  * Columns of equal edges: corner (-1/24, 5/24, 2/3, 5/24, -1/24), middle (1/24, 11/12, 1/24); they
  * add up to 1. Nodal reactions P r of densities r >= 0 may pull at corners; the laws hold in the
  * mean over the cells all the same, and P^T W P is definite where W is. DLS_E_ARGUMENT, also for a
- * middle node off the middle by more than 1e-6 of its edge (index).
- *
- * On a structured surface of four-node or nine-node faces in 3D, P is the Kronecker product of the
- * P of two lines, and a cell the product of two cells. */
+ * middle node off the middle by more than 1e-6 of its edge (index). */
 DLS_API DLS_MUST_USE dls_status dls_weighting_quadratic(int nodes, const double *s,
                                                         const int *candidate, int *p, int *i,
                                                         double *x, double *length, int *columns,
                                                         dls_error *error);
+
+/* Computes P of a rectangular grid of faces in 3D: the Kronecker product of the P of two lines, and
+ * a cell the product of two cells.
+ *
+ *   order        1: four-node faces, dls_weighting_line; 2: nine-node faces, dls_weighting_quadratic
+ *   nodes_s, nodes_t   nodes of the lines; 1 for a strip of width 1: its P is 1
+ *   s, t         abscissae of the lines, nodes_s, nodes_t          length
+ *   candidate_s, candidate_t   as for a line: candidates are the products of candidates. NULL: all
+ *   p, i, x      the columns of P, compressed; node (a, b) is a + b nodes_s, candidates are numbered
+ *                in the same way. Room for N + 1, 16 N, 16 N; of order 1 for N + 1, 9 N, 9 N, N =
+ *                nodes_s nodes_t
+ *   area         measure of each cell, candidates; or NULL         length^2
+ *   columns      receives the number of candidates
+ *
+ * The errors of the lines; candidate_s is named before candidate_t. */
+DLS_API DLS_MUST_USE dls_status dls_weighting_face(int order, int nodes_s, const double *s,
+                                                   const int *candidate_s, int nodes_t,
+                                                   const double *t, const int *candidate_t, int *p,
+                                                   int *i, double *x, double *area, int *columns,
+                                                   dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -299,6 +299,19 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_weighting_face(order, nodes_s, s, candidate_s, nodes_t, t, candidate_t, p, i, x, &
+        area, columns, error) bind(c) result(status)
+      import :: c_int, c_double, dls_error
+      integer(c_int), value :: order, nodes_s, nodes_t
+      real(c_double), intent(in) :: s(*), t(*)
+      integer(c_int), intent(in), optional :: candidate_s(*), candidate_t(*)
+      integer(c_int), intent(inout) :: p(*), i(*)
+      real(c_double), intent(inout) :: x(*)
+      real(c_double), intent(inout), optional :: area(*)
+      integer(c_int), intent(inout) :: columns
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
 
     function dls_reduction_move(reduction, model, g, error) bind(c) result(status)
       import :: c_int, c_ptr, c_double, dls_model, dls_error
@@ -408,7 +421,8 @@ module delassus
   public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
   public :: dls_reduction_recover, dls_reduction_nodal, dls_reduction_states, dls_reduction_motion
   public :: dls_reduction_certify, dls_reduction_solve, dls_certificate_verdict
-  public :: dls_reduction_destroy, dls_weighting_line, dls_weighting_quadratic
+  public :: dls_reduction_destroy, dls_weighting_line, dls_weighting_quadratic, &
+      dls_weighting_face
   public :: dls_reduction_move, dls_pairs_find, dls_pairs_free, dls_rigid_contact, dls_rigid_apply
   public :: dls_motion_settings_init
   public :: dls_motion_create, dls_motion_start, dls_motion_step, dls_motion_set_h

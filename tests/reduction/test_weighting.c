@@ -14,7 +14,7 @@
 #include "close.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
-#include "faces.h"
+#include "errors.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -111,9 +111,12 @@ START_TEST(product_is_the_integral) {
   double x[16 * most], area[most];
   for (int k = 0; k < g.A; k++)
     candidate[k] = all || k < g.A - 1;
-  const face_line first = {order, g.A, g.s[0], candidate}, second = {order, g.B, g.s[1], NULL};
   const int columns = g.A - !all;
-  ck_assert_int_eq(faces_weighting(&first, &second, p, i, x, area), columns * g.B);
+  int count;
+  ck_assert_int_eq(dls_weighting_face(order, g.A, g.s[0], candidate, g.B, g.s[1], NULL, p, i, x,
+                                      area, &count, NULL),
+                   DLS_OK);
+  ck_assert_int_eq(count, columns * g.B);
   integrate(&g, &exact);
   int negative = 0;
   for (int c = 0; c < columns * g.B; c++) {
@@ -137,15 +140,16 @@ END_TEST
 /* Equal faces: the figures of docs/theory.md, section 6. */
 START_TEST(equal_faces_by_hand) {
   const double s[] = {0, 1, 2, 3, 4};
-  const face_line linear = {1, 3, s, NULL}, quadratic = {2, 5, s, NULL};
-  int p[26], i[400];
+  int p[26], i[400], count;
   double x[400], area[25];
-  ck_assert_int_eq(faces_weighting(&linear, &linear, p, i, x, area), 9);
+  ck_assert(!dls_weighting_face(1, 3, s, NULL, 3, s, NULL, p, i, x, area, &count, NULL));
+  ck_assert_int_eq(count, 9);
   ck_assert_int_eq(p[5] - p[4], 9); /* of the node in the middle */
   const double a = 1. / 64, b = 3. / 32;
   assert_close(x + p[4], (double[]){a, b, a, b, 9. / 16, b, a, b, a}, 9, DBL_EPSILON);
   ck_assert_double_eq(area[4], 1);
-  ck_assert_int_eq(faces_weighting(&quadratic, &quadratic, p, i, x, area), 25);
+  ck_assert(!dls_weighting_face(2, 5, s, NULL, 5, s, NULL, p, i, x, area, &count, NULL));
+  ck_assert_int_eq(count, 25);
   ck_assert_int_eq(p[13] - p[12], 25); /* of the corner in the middle */
   const double line[] = {-1. / 24, 5. / 24, 2. / 3, 5. / 24, -1. / 24};
   for (int k = 0; k < 25; k++) {
@@ -158,18 +162,35 @@ END_TEST
 
 /* A line of one node leaves the other line as it is; lines that are no lines are refused. */
 START_TEST(lines_alone) {
-  const double s[] = {0, 1, 4, 6}, back[] = {1, 0, 2};
-  const face_line one = {1, 1, s, NULL}, line = {1, 4, s, NULL}, wrong = {1, 3, back, NULL};
+  const double s[] = {0, 1, 4, 6}, back[] = {1, 0, 2}, even[] = {0, 1, 2, 3};
   int p[5], i[64], q[5], rows[12], columns;
   double x[64], area[4], y[12], length[4];
+  dls_error error;
   ck_assert_int_eq(dls_weighting_line(4, s, NULL, q, rows, y, length, &columns, NULL), DLS_OK);
   for (int k = 0; k < 2; k++) {
-    ck_assert_int_eq(faces_weighting(k ? &one : &line, k ? &line : &one, p, i, x, area), 4);
+    const int A = k ? 1 : 4;
+    ck_assert(!dls_weighting_face(1, A, s, NULL, 5 - A, s, NULL, p, i, x, area, &columns, NULL));
+    ck_assert_int_eq(columns, 4);
     ck_assert_mem_eq(p, q, sizeof p);
     ck_assert_mem_eq(i, rows, (size_t)q[4] * sizeof *i);
     ck_assert_mem_eq(x, y, (size_t)q[4] * sizeof *x);
     ck_assert_mem_eq(area, length, sizeof area);
-    ck_assert_int_eq(faces_weighting(k ? &wrong : &line, k ? &line : &wrong, p, i, x, area), -1);
+    expect_error(dls_weighting_face(1, 3, k ? back : s, NULL, 3, k ? s : back, NULL, p, i, x, area,
+                                    &columns, &error),
+                 &error, DLS_E_ARGUMENT, "dls_weighting_face", k ? "s" : "t", 1);
+  }
+  const struct {
+    int order, A, B;
+    const char *argument;
+  } refused[] = {{3, 3, 3, "order"},    {0, 3, 3, "order"},   {1, 0, 3, "nodes_s"},
+                 {1, 3, -1, "nodes_t"}, {2, 4, 3, "nodes_s"}, {2, 3, 4, "nodes_t"}};
+  for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+    columns = -7;
+    ck_assert_int_lt(dls_weighting_face(refused[k].order, refused[k].A, even, NULL, refused[k].B,
+                                        even, NULL, p, i, x, area, &columns, &error),
+                     0);
+    ck_assert_str_eq(error.argument, refused[k].argument);
+    ck_assert_int_eq(columns, -7);
   }
 }
 END_TEST
@@ -185,8 +206,10 @@ START_TEST(uniform_pressure_stays_uniform) {
   const double bed = 7, lift = 0.25, pressure = 5, expected = pressure - bed * lift;
   const faces g = grid_of(1 + _i, 1);
   const int rows = d * g.count;
-  const face_line first = {g.order, g.A, g.s[0], NULL}, second = {g.order, g.B, g.s[1], NULL};
-  ck_assert_int_eq(faces_weighting(&first, &second, p, i, Px, area), g.count);
+  int columns;
+  ck_assert(!dls_weighting_face(g.order, g.A, g.s[0], NULL, g.B, g.s[1], NULL, p, i, Px, area,
+                                &columns, NULL));
+  ck_assert_int_eq(columns, g.count);
   integrate(&g, &exact);
   memset(K, 0, sizeof K); /* another call may have been in this process */
   for (int a = 0; a < g.count; a++) {
