@@ -271,7 +271,7 @@ DLS_API DLS_MUST_USE dls_status dls_weighting_quadratic(int nodes, const double 
  *   nodes_s, nodes_t   nodes of the lines; 1 for a strip of width 1: its P is 1
  *   s, t         abscissae of the lines, nodes_s, nodes_t          length
  *   candidate_s, candidate_t   as for a line: candidates are the products of candidates. NULL: all
- *   p, i, x      the columns of P, compressed; node (a, b) is a + b nodes_s, candidates are numbered
+ *   p, i, x      the columns of P, compressed; node (a, b) is a + b nodes_s, and candidates go
  *                in the same way. Room for N + 1, 16 N, 16 N; of order 1 for N + 1, 9 N, 9 N, N =
  *                nodes_s nodes_t
  *   area         measure of each cell, candidates; or NULL         length^2
