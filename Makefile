@@ -47,7 +47,17 @@ CPPFLAGS_ALL = -D_FILE_OFFSET_BITS=64 -Iinclude -Isrc -I. -MMD -MP $(CPP_OF) $(C
 # i386 computes in double with SSE2 alone
 X87 := $(if $(filter 1,$(shell echo __i386__ | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)),-msse2 -mfpmath=sse)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
-CFLAGS_ALL = -std=c11 $(CFLAGS) $(X87) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
+# what guards against overruns: HARDEN= leaves it out; FORTIFY needs optimisation and no sanitizer
+takes = $(shell echo 'int main(void) { return 0; }' | $(CC) $(1) -xc - -o /dev/null 2>/dev/null && echo '$(1)')
+ifeq ($(origin HARDEN),undefined)
+HARDEN := $(foreach flag,-fstack-protector-strong -fcf-protection=full,$(call takes,$(flag)))
+BIND_NOW = -Wl,-z,relro,-z,now
+HARDEN_LINK := $(call takes,$(BIND_NOW))
+endif
+FORTIFY = $(if $(and $(HARDEN),$(filter -O1 -O2 -O3 -Os,$(CFLAGS))),$(if $(SANITIZE)$(findstring FORTIFY,$(CFLAGS) $(CPPFLAGS)),,-D_FORTIFY_SOURCE=2))
+# no name of the folder of the source in debug information: two builds are equal
+PREFIX_MAP := $(call takes,-ffile-prefix-map=$(CURDIR)=.)
+CFLAGS_ALL = -std=c11 $(CFLAGS) $(X87) $(WARNINGS) $(HARDEN) $(FORTIFY) $(PREFIX_MAP) -ffp-contract=off -fno-math-errno -fno-trapping-math \
              -pthread -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
 
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --silence-errors --libs openblas || echo -lopenblas)
@@ -229,12 +239,12 @@ $(A): $(LIB_OBJ)
 
 $(SO).$(VERSION): $(LIB_OBJ) src/delassus.map
 	$(call say,LINK)
-	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus.so.$(SOVERSION) \
+	$(Q)$(CC) -shared $(SANITIZE) $(HARDEN_LINK) $(LDFLAGS) -Wl,-soname,libdelassus.so.$(SOVERSION) \
 	  -Wl,--version-script=src/delassus.map -o $@ $(LIB_OBJ) $(CORE_LIBS)
 
 $(FILES_SO).$(VERSION): $(FILES_OBJ) src/files/files.map
 	$(call say,LINK)
-	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus-files.so.$(SOVERSION) \
+	$(Q)$(CC) -shared $(SANITIZE) $(HARDEN_LINK) $(LDFLAGS) -Wl,-soname,libdelassus-files.so.$(SOVERSION) \
 	  -Wl,--version-script=src/files/files.map -o $@ $(FILES_OBJ) $(FILES_LIBS)
 
 $(SO) $(FILES_SO) $(MPI_SO): %: %.$(VERSION)
@@ -250,7 +260,7 @@ $(FILES) $(FE):
 
 $(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(FILES) $(A)
 	$(call say,LINK)
-	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(Q)$(CC) $(SANITIZE) $(HARDEN_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 # ---- other languages ----------------------------------------------------------------------------
 
