@@ -56,6 +56,7 @@ const char *nearest_words(nearest *n);
 
 /* Returns the name of scene k of any kind; NULL beyond the last. */
 const char *scene_name(int k);
+const char *scene_description(int k);
 typedef enum scene_kind { NO_SCENE, SCENE_AT_ONCE, SCENE_FORMING, SCENE_MOVING } scene_kind;
 scene_kind kind_of_scene(const char *name);
 scene_kind kind_among(int argc, char **argv); /* of the first argument that is a scene */
@@ -107,6 +108,7 @@ typedef struct problem {
   const double *f, *g, *mu;
   int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
   int on_K;      /* 1: contact has d, nc and mu, and no W */
+  int smooth;    /* 1: H_T was not given: the tangents of contact are empty */
   dls_contact contact;
   double reduction_cpu_seconds;
   char name[96];  /* without directories and ending; with the step */
@@ -138,6 +140,8 @@ const char *problem_title(const problem *p);
 
 /* matrices.c: tells the host's name of unknown k; returns 0 if it has none. NULL is fine. */
 int problem_unknown(const problem *p, int k, int *node, int *direction);
+/* Returns the host's number of the node of a contact; 0 if it has none. */
+int problem_node(const problem *p, int c);
 void matrices_free(struct matrices *matrices);
 
 /* Returns what a file is that holds no problem but a matrix ("matrix", "table of numbers"); else
@@ -149,6 +153,9 @@ int is_no_problem(const char *path);
 
 /* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */
 int read_lcp_text(const char *path, dls_text **text);
+
+/* Returns the parts of a reaction that a problem has: d, or 1 without tangents. */
+int problem_parts(const problem *p);
 
 /* Prints the name, the size and the kind of the problem. */
 void problem_print(const char *path, const problem *p);

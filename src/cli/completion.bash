@@ -7,7 +7,7 @@ _delassus() {
     names="$(delassus help commands 2>/dev/null) help --help --version"
   else
     case $before in
-    -m | --method) names="$(delassus help methods 2>/dev/null) gauss-seidel" ;;
+    -m | --method) names="$(delassus help methods 2>/dev/null | cut -d' ' -f1) gauss-seidel" ;;
     -a | --accel) names='none aitken anderson momentum' ;;
     --law) names='velocity gap path' ;;
     --on) names='W K' ;;
@@ -18,8 +18,8 @@ _delassus() {
         names=$(delassus "$command" $scene --help 2>/dev/null | grep -o -e '--[A-Za-z][A-Za-z-]*')
       else
         case $command in
-        scene) names=$(delassus help scenes 2>/dev/null) ;;
-        solve | info | chart | map | profile | report) names=$(delassus help scenes 2>/dev/null) ;;
+        scene) names=$(delassus help scenes 2>/dev/null | cut -d' ' -f1) ;;
+        solve | info | chart | map | profile | report) names=$(delassus help scenes 2>/dev/null | cut -d' ' -f1) ;;
         help) names="$(delassus help commands 2>/dev/null) methods scenes" ;;
         esac
       fi ;;

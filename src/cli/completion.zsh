@@ -15,7 +15,7 @@ _delassus() {
   fi
   case $before in
   -m | --method)
-    names=(${(f)"$(delassus help methods 2>/dev/null)"} gauss-seidel)
+    names=(${(f)"$(delassus help methods 2>/dev/null | cut -d' ' -f1)"} gauss-seidel)
     compadd -a names
     return ;;
   -a | --accel) compadd none aitken anderson momentum; return ;;
@@ -27,7 +27,7 @@ _delassus() {
   fi
   case $command in
   scene | solve | info | chart | map | profile | report)
-    names=(${(f)"$(delassus help scenes 2>/dev/null)"})
+    names=(${(f)"$(delassus help scenes 2>/dev/null | cut -d' ' -f1)"})
     compadd -a names ;;
   help)
     names=(${(f)"$(delassus help commands 2>/dev/null)"} methods scenes)

@@ -152,7 +152,7 @@ static void write_force(const outputs *o, const dls_forming_data *d, const char 
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
   if (!(o->force = open_growing(directory, "force.csv", "")) ||
       !(o->contact = open_growing(directory, "contact.csv",
-                                  "travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n")) ||
+                                  "travel,candidate_from_0,x,y,n_x,n_y,gap,slip,rn,rt\n")) ||
       !(o->series = open_series(directory)) || !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"

@@ -104,10 +104,10 @@ static int help_command(int argc, char **argv) {
   }
   if (!strcmp(word, "methods")) {
     for (int i = 0; dls_method_name((dls_method)i); i++)
-      puts(dls_method_name((dls_method)i));
+      printf("%-20s %s\n", dls_method_name((dls_method)i), dls_method_summary((dls_method)i));
   } else if (!strcmp(word, "scenes")) {
     for (int i = 0; scene_name(i); i++)
-      puts(scene_name(i));
+      printf("%-13s %s\n", scene_name(i), scene_description(i));
   } else if (!strcmp(word, "commands")) {
     for (int i = 0; i < COMMANDS; i++)
       puts(commands[i].name);

@@ -21,6 +21,7 @@ struct matrices {
   sparse Ks, HN, HT, P;
   double *K, *f, *g, *q, *mu;
   int *node, *direction; /* of each unknown, from 1; or NULL */
+  int *place;            /* node of each contact, from 1; or NULL */
 };
 
 /* ---- options --------------------------------------------------------------------------------- */
@@ -284,8 +285,7 @@ static int split_columns(const dls_sparse *H, int d, sparse *HN, sparse *HT) {
 }
 
 /* Makes H of a list of nodes and normals; directions in which a node is held have no entry. */
-static int operators_of_nodes(const char *path, int n, const struct matrices *own, int *d,
-                              sparse *H) {
+static int operators_of_nodes(const char *path, int n, struct matrices *own, int *d, sparse *H) {
   table t;
   int good = table_read(path, &t);
   if (good && t.cols != 3 && t.cols != 4)
@@ -297,6 +297,8 @@ static int operators_of_nodes(const char *path, int n, const struct matrices *ow
     good =
         cols <= INT_MAX / 3 ? sparse_alloc(n, (int)cols, 3 * cols, H) : refuse("--nodes: too many");
   }
+  if (good)
+    good = (own->place = calloc((size_t)t.rows, sizeof *own->place)) || refuse("out of memory");
   int entries = 0;
   for (int c = 0; good && c < t.rows; c++) {
     const double *row = t.a + (size_t)c * (size_t)t.cols;
@@ -306,6 +308,7 @@ static int operators_of_nodes(const char *path, int n, const struct matrices *ow
       good = refuse("--nodes: %s, row %d: there is no node %g", path, c + 1, row[0]);
     else if (!dlsi_frame(*d, frame))
       good = refuse("--nodes: %s, row %d: has no normal", path, c + 1);
+    own->place[c] = node;
     for (int i = 0; good && i < *d; i++) {
       H->p[*d * c + i] = entries;
       for (int k = 0; k < *d; k++) {
@@ -452,10 +455,23 @@ static int load_condensed(const matrix_options *o, problem *p) {
   if (!d || !read_vector("q", o->q, m, &own->q) || !read_friction(o->mu, m / d, &own->mu)) return 0;
   p->contact =
       (dls_contact){.d = d, .nc = m / d, .W = {m, m, m, own->K}, .q = own->q, .mu = own->mu};
+  if (!o->dim)
+    (void)snprintf(p->note, sizeof p->note,
+                   "%dD: %d rows of --W for %d contacts; --dim says it otherwise", d, m, m / d);
   return 1;
 }
 
 /* ---- the problem ----------------------------------------------------------------------------- */
+
+/* Says what was not given, and what that means. */
+static void say_missing(const matrix_options *o, problem *p) {
+  (void)snprintf(p->note, sizeof p->note, "%s%s%s", o->f ? "" : "no loads: --f is not given",
+                 !o->f && p->smooth ? "; " : "", p->smooth ? "no friction: --HT is not given" : "");
+  if (o->H && !o->dim)
+    (void)snprintf(p->note + strlen(p->note), sizeof p->note - strlen(p->note),
+                   "%s%dD: %d columns of --H for %d contacts", *p->note ? "; " : "", p->model.d,
+                   p->model.d * p->model.nodes, p->model.nodes);
+}
 
 int matrices_load(const matrix_options *o, problem *p) {
   if (!check_matrices(o)) return 0;
@@ -486,6 +502,8 @@ int matrices_load(const matrix_options *o, problem *p) {
       if (own->mu[c] != 0) return refuse("--mu: friction needs the tangents, --HT");
     model->mu = own->mu;
   }
+  p->smooth = o->HN && !o->HT;
+  say_missing(o, p);
   hint_operators(model);
   hint_gaps(own->g, model->d, model->nodes);
   p->f = own->f;
@@ -507,7 +525,12 @@ void matrices_free(struct matrices *own) {
   free(own->mu);
   free(own->node);
   free(own->direction);
+  free(own->place);
   free(own);
+}
+
+int problem_node(const problem *p, int c) {
+  return p->matrices && p->matrices->place && !p->model.P.p ? p->matrices->place[c] : 0;
 }
 
 int problem_unknown(const problem *p, int k, int *node, int *direction) {

@@ -120,7 +120,8 @@ static int moving_open(moving_files *f, const char *directory, const dls_moving_
       directory, "energy.csv",
       "t,kinetic,elastic,load,damping,obstacle,friction,impact,numerical,created,balance\n");
   if (f->energy)
-    f->contact = open_growing(directory, "contact.csv", "t,candidate,r_n,r_t,u_n,u_t,state\n");
+    f->contact =
+        open_growing(directory, "contact.csv", "t,candidate_from_0,r_n,r_t,u_n,u_t,state\n");
   if (!f->contact || !(f->series = open_series(directory))) return 0;
   if (d->has_exact)
     f->bar = open_growing(directory, "bar.dat", "# t gap exact_gap force exact_force\n");

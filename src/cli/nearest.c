@@ -55,15 +55,28 @@ const char *nearest_words(nearest *n) {
   return n->words;
 }
 
-static const char *(*const scene_names[])(int) = {[SCENE_AT_ONCE] = dls_fe_scene_name,
-                                                  [SCENE_FORMING] = dls_forming_name,
-                                                  [SCENE_MOVING] = dls_moving_name};
+typedef const char *(*scene_text)(int);
+static const scene_text scene_names[] = {[SCENE_AT_ONCE] = dls_fe_scene_name,
+                                         [SCENE_FORMING] = dls_forming_name,
+                                         [SCENE_MOVING] = dls_moving_name};
+static const scene_text scene_descriptions[] = {[SCENE_AT_ONCE] = dls_fe_scene_description,
+                                                [SCENE_FORMING] = dls_forming_description,
+                                                [SCENE_MOVING] = dls_moving_description};
+
+/* Returns text k of the scenes of all kinds. */
+static const char *scene_find(const scene_text *texts, int k) {
+  for (int kind = SCENE_AT_ONCE; kind <= SCENE_MOVING; kind++)
+    for (int i = 0; texts[kind](i); i++)
+      if (k-- == 0) return texts[kind](i);
+  return NULL;
+}
 
 const char *scene_name(int k) {
-  for (int kind = SCENE_AT_ONCE; kind <= SCENE_MOVING; kind++)
-    for (int i = 0; scene_names[kind](i); i++)
-      if (k-- == 0) return scene_names[kind](i);
-  return NULL;
+  return scene_find(scene_names, k);
+}
+
+const char *scene_description(int k) {
+  return scene_find(scene_descriptions, k);
 }
 
 scene_kind kind_of_scene(const char *name) {

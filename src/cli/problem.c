@@ -182,6 +182,10 @@ void problem_free(problem *p) {
   matrices_free(p->matrices);
 }
 
+int problem_parts(const problem *p) {
+  return p->smooth ? 1 : p->contact.d;
+}
+
 void problem_print(const char *path, const problem *p) {
   printf("%s: %dD, %d contact%s, %s\n", quote(AS_SHOWN, path).text, p->contact.d, p->contact.nc,
          plural(p->contact.nc),

@@ -209,9 +209,9 @@ void part_run(parts *a, const scene_answer *got) {
       {"State and pressure over surface and time", "Gap and force beside the closed form"}};
   for (int k = 0; k < 2; k++)
     (void)page_picture(a->page, path, pictures[kind][k], captions[kind][k]);
-  static const char *const columns[3] = {"candidate,x,rn,rt,un,ut,status",
-                                         "candidate,x,y,gap,slip,rn,rt",
-                                         "t,candidate,r_n,r_t,u_n,u_t,state"};
+  static const char *const columns[3] = {"candidate_from_0,x,rn,rt,un,ut,status",
+                                         "candidate_from_0,x,y,gap,slip,rn,rt",
+                                         "t,candidate_from_0,r_n,r_t,u_n,u_t,state"};
   page_say(a->page, PAGE_PLAIN, "The last rows of contact.csv:");
   (void)page_csv(a->page, path, "contact.csv", columns[kind], NULL, MOST_TABLE / 2);
 }

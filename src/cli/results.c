@@ -15,27 +15,26 @@ static void put_number(const sheet *s, double value) {
   (void)fprintf(s->file, s->csv ? ",%.17g" : " %14.7g", value);
 }
 
-static void put_vectors(const sheet *s, int d, const double *r, const double *u) {
-  for (int i = 0; i < d; i++)
-    put_number(s, r[i]);
-  for (int i = 0; i < d; i++)
-    put_number(s, u[i]);
-}
-
-/* Writes a row for each candidate: index, state, gap (u_n where it is free), r, u. */
-static void put_candidates(const sheet *s, const dls_contact *contact,
-                           const dls_contact_state *state, const double *r, const double *u) {
-  const int d = contact->d;
-  (void)fputs(s->csv ? "candidate,state,gap" : "  candidate state            gap", s->file);
-  for (int i = 0; i < d; i++)
-    (void)fprintf(s->file, s->csv ? ",r_%c" : "            r_%c", local_names[i]);
-  for (int i = 0; i < d; i++)
-    (void)fprintf(s->file, s->csv ? ",u_%c" : "            u_%c", local_names[i]);
+/* Writes a row for each candidate: index, the host's node where it is known, state, gap (u_n where
+ * it is free), r, u. */
+static void put_candidates(const sheet *s, const problem *p, const dls_contact_state *state,
+                           const double *r, const double *u) {
+  const int d = p->contact.d, parts = problem_parts(p), named = problem_node(p, 0) > 0;
+  (void)fputs(s->csv ? "candidate_from_0" : "  candidate", s->file);
+  if (named) (void)fputs(s->csv ? ",node" : "      node", s->file);
+  (void)fputs(s->csv ? ",state,gap" : " state            gap", s->file);
+  for (int of = 0; of < 2; of++)
+    for (int i = 0; i < parts; i++)
+      (void)fprintf(s->file, s->csv ? ",%c_%c" : "            %c_%c", "ru"[of], local_names[i]);
   (void)fputc('\n', s->file);
-  for (int c = 0; c < contact->nc; c++) {
-    (void)fprintf(s->file, s->csv ? "%d,%s" : "  %9d %-5s", c, state_word(state[c]));
+  for (int c = 0; c < p->contact.nc; c++) {
+    (void)fprintf(s->file, s->csv ? "%d" : "  %9d", c);
+    if (named) (void)fprintf(s->file, s->csv ? ",%d" : " %9d", problem_node(p, c));
+    (void)fprintf(s->file, s->csv ? ",%s" : " %-5s",
+                  parts == 1 && state[c] != DLS_FREE ? "touch" : state_word(state[c]));
     put_number(s, state[c] == DLS_FREE ? u[d * c] : 0);
-    put_vectors(s, d, r + d * c, u + d * c);
+    for (int i = 0; i < 2 * parts; i++)
+      put_number(s, i < parts ? r[d * c + i] : u[d * c + i - parts]);
     (void)fputc('\n', s->file);
   }
 }
@@ -45,7 +44,7 @@ static void put_unknowns(const sheet *s, const problem *p, const double *x) {
   int node, direction;
   const int named = problem_unknown(p, 0, &node, &direction);
   (void)fputs(
-      s->csv ? (named ? "node,direction,x\n" : "unknown,x\n")
+      s->csv ? (named ? "node,direction,x\n" : "unknown_from_0,x\n")
              : (named ? "       node direction             x\n" : "    unknown              x\n"),
       s->file);
   for (int k = 0; k < p->model.n; k++) {
@@ -80,7 +79,7 @@ int print_results(const problem *p, const outcome *o, const double *r, const dou
   if (!state) return 0;
   const sheet s = {stdout, 0};
   if (is_quiet() && *freedom_words(o->freedom, o->info.forces, text)) printf("  %s\n", text);
-  put_candidates(&s, &p->contact, state, r, u);
+  put_candidates(&s, p, state, r, u);
   if (x) put_unknowns(&s, p, x);
   free(state);
   return 1;
@@ -96,7 +95,7 @@ int write_results(const char *directory, const problem *p, const outcome *o, con
     if (*unsolved) (void)fprintf(s.file, "# %s\n", unsolved);
     if (o->freedom > 0)
       (void)fprintf(s.file, "# %s\n", freedom_words(o->freedom, o->info.forces, text));
-    put_candidates(&s, &p->contact, state, r, u);
+    put_candidates(&s, p, state, r, u);
     good = close_file(s.file, "r.csv");
   }
   free(state);

@@ -331,14 +331,14 @@ static void print_quantities(const run *a, const quantity *q, int count) {
   for (int k = 0; k < count && q[k].paper; k++)
     scale[k] = largest_entry(q[k].paper, nc);
   if (count == 2 && scale[1] == 0) scale[1] = scale[0]; /* Fig. 4: all Q2 are 0 */
-  printf("node  status");
+  printf("from 0  status");
   for (int k = 0; k < count; k++) {
     printf("  %12s", q[k].name);
     if (q[k].paper) printf("  %12s  %8s", "paper", "diff/max");
   }
   putchar('\n');
   for (int c = 0; c < nc; c++) {
-    printf("%4d  %-6s", c + 1, state_word(a->state[c]));
+    printf("%6d  %-6s", c, state_word(a->state[c]));
     for (int k = 0; k < count; k++)
       print_cell(&q[k], c, scale[k], &worst[k]);
     putchar('\n');
@@ -408,11 +408,11 @@ static void print_run(const run *a, const scene_options *o) {
 /* ---- files ----------------------------------------------------------------------------------- */
 
 static int write_csv(const run *a, const scene_options *o) {
-  FILE *file =
-      open_table(o->out, "contact.csv", "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n");
+  FILE *file = open_table(o->out, "contact.csv",
+                          "candidate_from_0,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n");
   if (!file) return 0;
   for (int c = 0; c < a->data.candidates; c++) {
-    fprintf(file, "%d", c + 1);
+    fprintf(file, "%d", c);
     for (int k = X; k <= RN; k++)
       fprintf(file, ",%.17g", a->column[k][c]);
     fprintf(file, ",%s", state_word(a->state[c]));

@@ -100,7 +100,7 @@ static int write_map_csv(const influence *of, const char *directory) {
   FILE *file = open_in(directory, "sensitivity.csv");
   const int nc = of->contact->nc;
   if (!file) return 0;
-  fputs("candidate,by", file);
+  fputs("candidate_from_0,by", file);
   for (int part = 0; part < parts; part++)
     fprintf(file, ",%s", part_name[part]);
   fputc('\n', file);
@@ -117,7 +117,7 @@ static int write_map_csv(const influence *of, const char *directory) {
 static int write_friction_csv(const influence *of, const char *directory) {
   static const char letter[] = "nts";
   const int d = of->contact->d, nc = of->contact->nc;
-  FILE *file = open_table(directory, "friction.csv", "candidate,state");
+  FILE *file = open_table(directory, "friction.csv", "candidate_from_0,state");
   if (!file) return 0;
   for (int i = 0; i < 2 * d; i++)
     fprintf(file, i < d ? ",r_%c" : ",dr_%c_dmu", letter[i % d]);

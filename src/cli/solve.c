@@ -145,7 +145,10 @@ static int print_states(const problem *p, const double *r, const double *u) {
   if (!state) return 0;
   for (int c = 0; c < p->contact.nc; c++)
     count[state[c]]++;
-  printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
+  if (problem_parts(p) == 1)
+    printf("  free %d, touching %d\n", count[DLS_FREE], count[DLS_SLIP] + count[DLS_STICK]);
+  else
+    printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
   free(state);
   return 1;
 }

@@ -129,9 +129,9 @@ START_TEST(info_maps_what_reactions_depend_on) {
   ck_assert_msg(run(arguments) == 0, "%s", output);
   ck_assert(shows("\n          0 slip ") && shows(" 0 (1.1)\n"));
   ck_assert_str_eq(contents("sensitivity.csv"),
-                   "candidate,by,rn_qn,rn_qt,rt_qn,rt_qt\n0,0,1,0,0.5,0\n");
+                   "candidate_from_0,by,rn_qn,rn_qt,rt_qn,rt_qt\n0,0,1,0,0.5,0\n");
   ck_assert_str_eq(contents("friction.csv"),
-                   "candidate,state,r_n,r_t,dr_n_dmu,dr_t_dmu\n0,1,1,0.5,0,1\n");
+                   "candidate_from_0,state,r_n,r_t,dr_n_dmu,dr_t_dmu\n0,1,1,0.5,0,1\n");
   ck_assert_int_eq(run("info data/failures/c05-hyperstatic.txt --sensitivity -o @/b"), 2);
   ck_assert(shows("no derivative"));
 }

@@ -480,7 +480,7 @@ START_TEST(scene_writes_its_files) {
   ck_assert_int_eq((int)json_number("dimension"), 2);
   static char text[100000];
   (void)read_text("a/b/contact.csv", text, sizeof text);
-  ck_assert(!strncmp(text, "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n", 50));
+  ck_assert(!strncmp(text, "candidate_from_0,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n", 57));
   int lines = 0;
   for (const char *c = text; *c; c++)
     lines += *c == '\n';

@@ -43,6 +43,11 @@ static void write_matrices(void) {
   write_file("W6.txt",
              "1 0 0 0 0 0\n0 1 0 0 0 0\n0 0 1 0 0 0\n0 0 0 1 0 0\n0 0 0 0 1 0\n0 0 0 0 0 1\n");
   write_file("mu.txt", "-0.5\n");
+  write_file("matlab.txt", "1 1 3\n1 2 1\n2 1 1\n2 2 2\n3 3 1\n");
+  write_file("K.mat", "MATLAB 5.0 MAT-file, Platform: GLNXA64");
+  write_file("K.dmig", "DMIG    KAAX           0       6       2       0\n");
+  write_file("comma.txt", "3,0 1,5\n1,5 2,0\n");
+  write_file("gap.txt", "0,5\n0,1\n");
 }
 
 #define POINT "solve --stiffness=@/K.txt --HN=@/N.txt --HT=@/T.txt --f=@/f.txt "
@@ -101,6 +106,30 @@ static const struct {
     {"solve --W=@/W.txt --q=@/q.txt --mu .3", 0, "solved"}, /* d = 2: the size says it */
     {"solve --W=@/W6.txt --q=@/q.txt --mu .3", 2,
      "--dim: 2 or 3 is wanted: 6 columns of H or rows of W fit both"},
+    /* what is not given is said, with what it means */
+    {"solve --stiffness=@/K.txt --HN=@/N.txt --HT=@/T.txt --mu .2", 0,
+     "no loads: --f is not given"},
+    {"solve --stiffness=@/K.txt --HN=@/N.txt --f=@/f.txt", 0, "no friction: --HT is not given"},
+    {"solve --stiffness=@/K.txt --HN=@/N.txt --f=@/f.txt", 0, "free 0, touching 1"},
+    {"chart --stiffness=@/K.txt --HN=@/N.txt -r 1 -o @/chart", 0,
+     "no loads: --f is not given; no friction: --HT is not given"},
+    {"solve --W=@/W.txt --q=@/q.txt --mu .3", 0, "2D: 2 rows of --W for 1 contact"},
+    {"solve --stiffness=@/K.txt --H=@/K.txt --f=@/f.txt --mu .2", 0,
+     "2D: 2 columns of --H for 1 contact"},
+    {"solve --stiffness=@/K.txt --HN=@/N.txt --HT=@/T.txt --mu @/q.txt", 2,
+     "holds 2 numbers, must hold 1"},
+    /* files of others */
+    {"solve nosuch.hdf5", 2, "delassus: nosuch.hdf5: does not exist\n"},
+    {"solve --stiffness=@ --HN=@/N.txt", 2, "is a directory"},
+    {"solve --stiffness=@/matlab.txt --HN=@/N.txt", 2, "use --triplets"},
+    {"solve --stiffness=@/K.mat --HN=@/N.txt", 2, "[i,j,x] = find(K)"},
+    {"solve @/K.mat", 2, "[i,j,x] = find(K)"},
+    {"solve --stiffness=@/K.dmig --HN=@/N.txt", 2, "Nastran (DMIG): write lines"},
+    {"solve --stiffness=@/comma.txt --HN=@/N.txt", 2, "has decimal commas; numbers have a point"},
+    {POINT "--mu .2 --g @/gap.txt", 2, "its commas are read as separators; a decimal has a point"},
+    /* names with a line each */
+    {"help methods", 0, "admm "},
+    {"help scenes", 0, "jean-fig3     "},
     /* plausible and wrong: a hint, and an answer all the same */
     {"solve --stiffness=@/K.txt --HN=@/long.txt --HT=@/T.txt --f=@/f.txt --mu .2", 0,
      "hint: H_N: the normal of contact 0 has length 3"},
