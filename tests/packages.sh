@@ -39,7 +39,7 @@ except ValueError as error:
     print(error)
 END
 wanted='solved [[1.0, -0.25]] 0.9375 True
-dls_solve: W[3]: is not finite (row 1, column 1)'
+W[3]: is not finite (row 1, column 1)'
 environment() { # name, what to install
   "$python" -m venv --system-site-packages "$root/$1" > "$root/log" 2>&1 || fail "$1: no environment"
   "$root/$1/bin/pip" install --no-index --no-build-isolation --no-deps $2 > "$root/log" 2>&1 || fail "$1: pip install"

@@ -70,7 +70,7 @@ class Solve(unittest.TestCase):
             self.assertEqual((s.forces, s.freedom), ("least", 1))
             np.testing.assert_allclose(s.r, np.ones((4, 1)), rtol=1e-9)
         self.assertEqual(delassus.solve(np.eye(2), [-1.0, 0.0], [0.5]).freedom, 0)
-        with self.assertRaisesRegex(ValueError, "forces is 'most', not one of any, least"):
+        with self.assertRaisesRegex(ValueError, "forces: 'most' is none of any, least"):
             delassus.solve(np.eye(2), [-1.0, 0.0], [0.5], forces="most")
 
     def test_proof(self):
@@ -485,7 +485,7 @@ class Reduce(unittest.TestCase):
             self.assertTrue(solution.solved)
             np.testing.assert_allclose(solution.r, [[10]], rtol=1e-9)
             np.testing.assert_allclose(solution.x, [0, -10], atol=1e-9)
-            self.assertEqual(list(solution.states), ["stick"])
+            self.assertEqual(list(solution.states), ["touch"])
             for refused in (lambda: R.W, lambda: R.recover([[1]]),
                             lambda: R.solve(method="nlgs")):
                 with self.assertRaises(delassus.Error) as caught:
@@ -929,13 +929,64 @@ class Files(unittest.TestCase):
 
     def test_messages(self):
         scipy.io.savemat(self.path("K.mat"), {"K": self.K})
-        sp.save_npz(self.path("K.npz"), self.sp.dia_matrix(np.eye(3)))
+        sp.save_npz(self.path("K.npz"), sp.dia_matrix(np.eye(3)))
         for name, says in (("K.mat", "triplets=True"), ("K.npz", "K.tocsc()"),
                            ("none", "does not exist")):
             with self.assertRaises(delassus.Error) as caught:
                 delassus.read_matrix(self.path(name))
             self.assertIn(says, str(caught.exception))
             self.assertNotIn("dls_", str(caught.exception))
+
+
+class Words(unittest.TestCase):
+    """What mistakes are answered, and what objects say of themselves."""
+
+    def test_mistakes(self):
+        K, HN, HT = POINT
+        R = delassus.reduce(K, HN, HT)
+        mistakes = (
+            (lambda: R.solve(0.2, method="newtn"), "did you mean 'newton'"),
+            (lambda: R.solve(0.2, method="NLGS"), "did you mean 'nlgs'"),
+            (lambda: R.solve(0.2, acceleration="andersn"), "did you mean 'anderson'"),
+            (lambda: delassus.reduce(K, HN, HT, factorization="cholsky"), "did you mean 'cholesky'"),
+            (lambda: delassus.Motion(K, HN, HT, law="Path"), "did you mean 'path'"),
+            (lambda: delassus.solve(np.eye(2), [-1, np.nan], 0.2), "^q\\[1\\]: is not finite"),
+            (lambda: delassus.reduce(sp.csc_matrix([[1, 0], [0, np.nan]]), HN, HT), "^K\\[1\\]: is"),
+            (lambda: R.solve(0.2, r0=[[np.nan, 1]]), "^r0\\[0\\]: is not finite"),
+            (lambda: R.solve([0.2, 0.3]), "mu has 2 entries, needs 1"),
+            (lambda: delassus.reduce(K, HN).solve(0.2), "HT is missing"))
+        for mistake, answer in mistakes:
+            with self.assertRaisesRegex(ValueError, answer):
+                mistake()
+
+    def test_notes(self):
+        K, HN, HT = POINT
+        R = delassus.reduce(K, HN, HT)
+        f, g = [5, -10], [0.1, 0]
+        self.assertEqual(R.solve(0.2).notes, ["no loads: f is not given"])
+        self.assertEqual(R.solve(0.2, f=f, g=g).notes, [])
+        self.assertEqual(R.solve(0.2).notes, ["f and g are those of the load before"])
+        self.assertIn("gaps are 0", R.solve(0.2, f=f).notes[0])
+        self.assertEqual(R.solve(f=f).notes, ["no friction: mu is not given"])
+        R.load(f)
+        self.assertEqual(R.solve(0.2).notes, [])
+        smooth = delassus.reduce(K, HN).solve(f=f)
+        self.assertEqual(smooth.notes, ["no friction: HT is not given"])
+        self.assertIn("; no friction: HT is not given>", repr(smooth))
+        self.assertEqual(list(smooth.states), ["touch"])
+
+    def test_repr(self):
+        K, HN, HT = POINT
+        R = delassus.reduce(K, HN, HT)
+        self.assertEqual(repr(R), "<Reduction: 2D, 1 candidates, 2 unknowns, on W>")
+        motion = delassus.Motion(K, HN, HT, law="path")
+        self.assertEqual(repr(motion), "<Motion: law path, 2D, 1 candidates, 2 unknowns, 0 steps, "
+                                       "t = 0>")
+        table = R.solve(0.2, f=[5, -10])._repr_html_()
+        self.assertIn("<td>slip</td><td>10.938</td><td>-2.1875</td>", table)
+        many = delassus.solve(np.eye(60), -np.ones(60), 0.0, d=2)._repr_html_()
+        self.assertEqual(many.count("<tr>"), 21)
+        self.assertIn("10 more contacts", many)
 
 
 class Owners(unittest.TestCase):
@@ -1311,7 +1362,7 @@ class Conversions(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "K.-1 B is"):
             delassus.reduce(lambda B: B.reshape(-1), np.eye(2), np.eye(2))
         for name in ("nlgs\0x", 3, b"nlgs"):
-            with self.assertRaisesRegex(ValueError, "no method"):
+            with self.assertRaisesRegex(ValueError, "is none of auto, nlgs"):
                 delassus.solve(W, q, 0.3, method=name)
 
 

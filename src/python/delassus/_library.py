@@ -5,12 +5,14 @@ ImportError."""
 from __future__ import annotations
 
 import ctypes
+import difflib
 import functools
 import operator
 import os
 import pathlib
+import re
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
-from typing import (Any, Callable, Dict, Generator, List, Mapping, NoReturn, Protocol, Tuple,
+from typing import (Any, Callable, Dict, Generator, Iterable, List, Mapping, NoReturn, Protocol, Tuple,
                     Union)
 
 import numpy as np
@@ -266,6 +268,31 @@ for _name, (_result, _arguments) in _SIGNATURES.items():
                            "z": c_size_t}[a] for a in _arguments]
 
 
+# arguments of C that have another name in Python
+_NAMES = {"Ks": "K", "Wb": "W", "Ms": "M", "bodies.body": "body", "bodies.H": "H"}
+
+
+def _in_python(message: str) -> str:
+    """Returns a message of the library without the name of the function in C, its argument by the
+    name in Python."""
+    head, _, text = message.partition(": ")
+    if not head.startswith("dls_"):
+        return message
+    found = re.match(r"[A-Za-z_.]+", text)
+    name = found.group(0) if found else ""
+    start = name == "r" and head in ("dls_solve", "dls_reduction_solve", "dls_solver_solve")
+    return ("r0" if start else _NAMES.get(name, name)) + text[len(name):]
+
+
+def one_of(what: str, name: object, names: Iterable[str]) -> ValueError:
+    """Returns the error of a name that is none of `names`, with the nearest one."""
+    names = list(names)
+    small = name.lower() if isinstance(name, str) else ""
+    near = [n for n in names if n.lower() == small] or difflib.get_close_matches(small, names, 1, 0.6)
+    meant = f"; did you mean {near[0]!r}?" if near else ""
+    return ValueError(f"{what}: {name!r} is none of {', '.join(names)}{meant}")
+
+
 class Error(Exception):
     """A status below 0: nothing was computed. status, name ("DLS_E_SIZE"), function, argument,
     index and value have the details. The classes below are raised; each is also one of Python's
@@ -279,7 +306,7 @@ class Error(Exception):
     value: float
 
     def __init__(self, error: Any) -> None:
-        super().__init__(error.message.decode(errors="replace"))
+        super().__init__(_in_python(error.message.decode(errors="replace")))
         self.status = error.status
         self.name = lib.dls_status_name(error.status).decode()
         self.function = ctypes.string_at(error.function).decode() if error.function else ""
@@ -327,7 +354,8 @@ def error_of(error: Any, file: str = "") -> Error:
     kind = _KINDS.get(lib.dls_status_name(error.status).decode(), InputError)
     made: Error = kind(error)
     if file and made.argument == "path":
-        made.args = (f"{file}: " + str(made).split(": ", 2)[-1].replace("--triplets", "triplets=True"),)
+        text = str(made).partition(": ")[2].replace("--triplets", "triplets=True")
+        made.args = (f"{file}: {text}",)
     return made
 
 

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 import ctypes
+import html
+import itertools
 import threading
 from ctypes import byref, c_int, c_size_t
-from typing import Any, Callable, Dict, NamedTuple, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from .derivative import Change, Derivative, Gradient, Moved
 from ._library import (Array, Callback, Matrix, Vector, address, call, columns, constants, dense,
-                       entries, integers, lib, number, reals, structs, vector, whole)
+                       entries, integers, lib, number, one_of, reals, structs, vector, whole)
 
 STATES: npt.NDArray[np.str_] = np.array(["free", "slip", "stick"])
+
+
+def name_states(numbers: npt.NDArray[Any], tangents: bool) -> npt.NDArray[np.str_]:
+    """Returns the names of states; without tangents a contact is free or touches."""
+    named: npt.NDArray[np.str_] = STATES[numbers]
+    return named if tangents else np.where(named == "free", "free", "touch")
+
 
 FORCES = ("any", "least")
 
@@ -103,7 +112,8 @@ class Solution:
 
     r, u         reactions and local positions, nc x d, each row (n, t) or (n, t, s)
     x            unknowns of the host, if a reduction or a motion solved; else None
-    states       "free", "slip" or "stick" of each candidate
+    states       "free", "slip" or "stick" of each candidate; "free" or "touch" without tangents
+    notes        what was not given, and what that means
     solved       True: certified to tol
     status, words   number (DLS_...) and words of the outcome; above 0, r is the best answer found
     residual, certificate   of r; if a reduction solved, of the body, with its equilibrium
@@ -131,6 +141,7 @@ class Solution:
         self.r = r.reshape(nc, d)
         self.u = u.reshape(nc, d)
         self.x: Vector | None = None
+        self.notes: List[str] = []
         self.certificate = _certificate(info.certificate)
         self.residual = self.certificate.residual
         self.error: float | None = info.error or None
@@ -158,7 +169,7 @@ class Solution:
             call("dls_reduction_states", *body[:2], address(r), address(u), state)
         elif nc:
             call("dls_contact_states", byref(problem), address(r), address(u), state)
-        self.states = STATES[np.frombuffer(state, dtype=np.intc)[:nc]]
+        self.states = name_states(np.frombuffer(state, dtype=np.intc)[:nc], d > 1)
 
     @property
     def proof(self) -> Proof | None:
@@ -222,8 +233,20 @@ class Solution:
 
     def __repr__(self) -> str:
         return (f"<{self.words}: {len(self.r)} candidates, {self.method}, "
-                f"{self.iterations} iterations, residual {self.residual:.1e}>")
+                f"{self.iterations} iterations, residual {self.residual:.1e}"
+                + "".join(f"; {note}" for note in self.notes) + ">")
 
+    def _repr_html_(self) -> str:
+        """Returns a table of the first contacts, for notebooks."""
+        d, shown = self.r.shape[1], min(len(self.r), 20)
+        head = ["contact", "state", *(f"{a}_{i}" for a in "ru" for i in "nts"[:d])]
+        cells = [[str(c), str(self.states[c]), *(f"{x:.5g}" for x in (*self.r[c], *self.u[c]))]
+                 for c in range(shown)]
+        rows = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>"
+                       for row in cells)
+        rest = f"<p>{len(self.r) - shown} more contacts</p>" if shown < len(self.r) else ""
+        names = "".join(f"<th>{name}</th>" for name in head)
+        return (f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{names}</tr>{rows}</table>{rest}")
 
     def explain(self) -> str:
         """Returns a description of what auto did: the regime, and a line for each step with its
@@ -332,11 +355,15 @@ def set_limits(limits: Any, watch: Watch, tol: float | None = None,
     watch.set(limits)
 
 
+_METHODS = list(iter(map(_method_name, itertools.count()).__next__, ""))
+_ACCELERATIONS = ("none", "aitken", "anderson", "momentum")
+
+
 def _find(function: Any, what: str, name: Any) -> int:
     """Returns the number of a method or an acceleration."""
     found = c_int()
     if not isinstance(name, str) or "\0" in name or not function(name.encode(), byref(found)):
-        raise ValueError(f"no {what} {name!r}")
+        raise one_of(what, name, _METHODS if what == "method" else _ACCELERATIONS)
     return found.value
 
 
@@ -366,7 +393,7 @@ def solver_settings(method: str = "auto", acceleration: str | None = None,
     if positive_definite is not None:
         settings.positive_definite = whole("positive_definite", positive_definite)
     if forces not in FORCES:
-        raise ValueError(f"forces is {forces!r}, not one of {', '.join(FORCES)}")
+        raise one_of("forces", forces, FORCES)
     settings.forces = FORCES.index(forces)
     words = [_text(*one) if one[1] is not None else None
              for one in (("plan", plan), ("without", without))]

@@ -7,8 +7,8 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._library import (Array, Matrix, Vector, address, call, columns, dense, lib, reals, sparse,
-                       structs, vector)
+from ._library import (Array, Matrix, Vector, address, call, columns, dense, lib, one_of, reals,
+                       sparse, structs, vector)
 from .contact import Progress, Watch, set_limits
 
 _METHODS = {"lemke": "dls_lemke", "principal": "dls_principal"}
@@ -61,7 +61,7 @@ def solve_lcp(M: Matrix, q: Array, *, method: str | None = None, z0: Array | Non
     if method is None:
         method = "principal" if is_sparse else "lemke"
     if method not in _METHODS:
-        raise ValueError(f"no method {method!r}: lemke or principal")
+        raise one_of("method", method, _METHODS)
     given: Any = columns("M", M) if is_sparse else np.atleast_2d(reals("M", M))
     q = np.atleast_1d(reals("q", q))
     n = q.size

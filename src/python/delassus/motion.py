@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._library import (Array, Matrix, Owner, Vector, address, call, columns, constants, lib, number, read, set_fields,
+from ._library import (Array, Matrix, Owner, Vector, address, call, columns, constants, lib, number, one_of, read, set_fields,
                        sparse, structs, vector)
-from .contact import STATES, Solution, Watch, find_method, set_limits
+from .contact import Solution, Watch, name_states, find_method, set_limits
 from .reduction import check_tangents, find_factorization, operators
 
 _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DLS_MOTION_PATH"}
@@ -52,7 +52,8 @@ class Motion(Owner):
         else:
             kind = find_factorization(factorization, copies[2])
         if law not in _LAWS:
-            raise ValueError(f"no law {law!r}: velocity, gap or path")
+            raise one_of("law", law, _LAWS)
+        self._law = law
         self._nodes: int = N.shape[1]
         self._candidates: int = self._nodes if P is None else copies[3].shape[1]
         gap = None if gap is None else vector("gap", gap, self._nodes).copy()
@@ -73,6 +74,10 @@ class Motion(Owner):
     def __del__(self) -> None:
         if getattr(self, "_held", None):
             lib.dls_motion_destroy(self._held)
+
+    def __repr__(self) -> str:
+        return (f"<Motion: law {self._law}, {self.d}D, {self._candidates} candidates, {self.n} unknowns, "
+                f"{self.steps} steps, t = {self.t:g}>")
 
     def start(self, x: Array | None = None, v: Array | None = None, t: float = 0.0) -> None:
         """Restarts from x and v at time t."""
@@ -161,8 +166,7 @@ class Motion(Owner):
 
     @property
     def states(self) -> npt.NDArray[np.str_]:
-        named: npt.NDArray[np.str_] = STATES[self._array("state", c_int, self._candidates)]
-        return named
+        return name_states(self._array("state", c_int, self._candidates), self._has_tangents)
 
     @property
     def energies(self) -> dict[str, float]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ._library import (Array, Callback, Error, Matrix, Owner, Vector, address, call, columns, constants, dense, entries,
-                       gaps, integers, lib, read, reals, set_fields, sparse, structs, vector)
+                       gaps, integers, lib, one_of, read, reals, set_fields, sparse, structs, vector)
 from .contact import Certificate, Progress, Solution, Watch, _certificate, solve_problem
 from .derivative import Derivative
 
@@ -33,11 +33,11 @@ def is_symmetric(K: Any) -> bool:
 def find_factorization(name: str | None, K: Any) -> int:
     if name is None:
         name = "cholesky" if is_symmetric(K) else "lu"
-        if name == "lu" and sp.tril(K, -1).nnz == 0:
+        if name == "lu" and sp.tril(K, -1).nnz == 0 and sp.triu(K, 1).nnz > 0:
             raise ValueError("K is an upper triangle; a symmetric K is wanted whole, or "
                              "factorization='lu' takes it as it stands")
     if name not in _FACTORIZATIONS:
-        raise ValueError(f"no factorization {name!r}: cholesky, ldlt or lu")
+        raise one_of("factorization", name, _FACTORIZATIONS)
     return constants[_FACTORIZATIONS[name]]
 
 
@@ -116,11 +116,17 @@ class Reduction(Owner):
         self._call("dls_reduction_create", byref(self._held), byref(model), byref(create))
         self._matrix = kept[0]  # for the pattern of dL/dK; the library has copied it
         self._loaded = self._updated = 0  # counts loads and updates
+        self._given = [False, False]  # f, g
+        self._fresh = False  # no solve since the load
         # the sizes that the library holds: no update changes them
         self._d: int = model.d  # of g
         self.d: int = model.d if self._has_tangents else 1
         self.n: int = model.n
         self._count(model, P, active)
+
+    def __repr__(self) -> str:
+        return (f"<Reduction: {f'{self.d}D' if self._has_tangents else 'normals alone'}, "
+                f"{self.candidates} candidates, {self.n} unknowns, on {self.on}>")
 
     def _count(self, model: Any, P: Any, active: Any) -> None:
         self._nodes: int = model.nodes
@@ -198,6 +204,7 @@ class Reduction(Owner):
         model, kept, solve = self._model(K, HN, HT)
         before, self._host.solve = self._host.solve, solve
         self._loaded += 1
+        self._given = [False, False]
         self._updated += 1
         self._call("dls_reduction_update", self._held, byref(model), solve=before)
         self._matrix = kept[0]
@@ -229,12 +236,14 @@ class Reduction(Owner):
         g."""
         f, g = self._loads(f, g)
         self._loaded += 1
+        self._given, self._fresh = [f is not None, g is not None], True
         self._call("dls_reduction_load", self._held, address(f), address(g))
 
     def load_free(self, x_free: Array | None, g: Array | None = None) -> None:
         """Sets x_free = K^-1 f, which you have computed, in place of f."""
         x_free, g = self._loads(x_free, g)
         self._loaded += 1
+        self._given, self._fresh = [x_free is not None, g is not None], True
         self._call("dls_reduction_load_free", self._held, address(x_free), address(g))
 
     def _loads(self, f: Any, g: Any) -> tuple[Vector | None, Vector | None]:
@@ -252,8 +261,10 @@ class Reduction(Owner):
         """Loads f and g if one is given, and solves for r and x; options as in solve(). The
         certificate is that of the body (dls_reduction_solve)."""
         check_tangents(self._has_tangents or None, mu)
+        before = self._given
         if f is not None or g is not None:
             self.load(f, g)
+        notes = self._missing(f, g, mu, before)
         problem, mu = self._contact(mu) if self.on == "W" else self._sizes(mu)
         x = np.zeros(self.n)
         self._host.callback.begin()
@@ -267,6 +278,7 @@ class Reduction(Owner):
         finally:
             self._host.callback.end()
         solution.x = x
+        solution.notes = notes
         loaded, updated = self._loaded, self._updated
 
         def derivative(of: Solution, side: int, made: Derivative | None) -> Derivative:
@@ -282,6 +294,22 @@ class Reduction(Owner):
 
         solution._of_body = derivative
         return solution
+
+    def _missing(self, f: Any, g: Any, mu: Any, before: list[bool]) -> list[str]:
+        """Returns what a solve was not given, and what it takes instead."""
+        notes = []
+        if not self._given[0]:
+            notes.append("no loads: f is not given")
+        elif not self._fresh:
+            notes.append("f and g are those of the load before")
+        if f is not None and g is None and before[1]:
+            notes.append("gaps are 0: g is not given, and those of the load before are gone")
+        if not self._has_tangents:
+            notes.append("no friction: HT is not given")
+        elif mu is None and self._options[1] is None:
+            notes.append("no friction: mu is not given")
+        self._fresh = False
+        return notes
 
     def _contact(self, mu: Any) -> tuple[Any, Vector | None]:
         """Returns the dls_contact of the active candidates, and the friction that it views."""
