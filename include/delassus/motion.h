@@ -16,8 +16,9 @@
  *
  * The laws, at each candidate to contact, with Coulomb's law on u_t+ and p in all of them:
  *
- *   velocity form   0 <= u_n+ + e u_n  _|_  p_n >= 0   where gap + forecast h u_n <= activation,
- *                   p = 0 elsewhere                                 (2.1)3-4, Moreau
+ *   velocity form   0 <= u_n+ + e u_n  _|_  p_n >= 0   where gap + forecast h u_n <= activation, or
+ *                   gap <= 1e-4 h max |q| of a contact that was closed in the last step, q being u
+ *                   without contact; p = 0 elsewhere                (2.1)3-4, Moreau
  *   gap form        0 <= u_n+ + gap / h  _|_  p_n >= 0              (3.2)1; theta = 1 only
  *   path            no M: K x = f + H r; 0 <= gap+ _|_ r_n >= 0; the slip u_t is counted from the
  *                   step before: u = H^T (x+ - x) - h y', a length  (2.1)1; p stands for r, a force
@@ -74,8 +75,8 @@ typedef struct dls_motion_settings {
   double h;           /* step, > 0; init leaves 0, which is refused; 1 for a path may do   time */
   double theta;       /* 1/2 <= theta <= 1; 1/2 */
   double restitution; /* e, 0 <= e <= 1, of the velocity form; 0 */
-  double activation;  /* >= 0: gap below which a candidate is closed in the velocity form; a small
-                         fraction of the bodies' size if they rest on each other; 0     length */
+  double activation;  /* >= 0: gap below which a candidate is closed in the velocity form; 0. Bodies
+                         that rest on each other need none                              length */
   double forecast;    /* 0 <= forecast <= 1: fraction of the step after which the gap is predicted;
                          1/2 */
   int energy_consistent; /* 1: where friction and restitution together would create energy (Kane

@@ -6,7 +6,8 @@
  *   (MT1)  b = h (f - C v - K (x + h theta v)),   g = L^T v - y'
  *   (MT2)  g_n += e g_n in the velocity form;  g_n += gap / h in the gap form
  *   (MT3)  q = P^T g + H^T A^-1 b                                          (dls_reduction_load)
- *   (MT4)  closed contacts: velocity form: gap + forecast h u_n <= activation; else all
+ *   (MT4)  closed contacts: velocity form: gap + forecast h u_n <= activation, or closed in the
+ *          last step and gap <= 1e-4 h max |q|; else all
  *   (MT5)  p from u = W p + q and the laws of contact, for closed contacts; 0 for others
  *   (MT6)  A dv = b + H p                                               (dls_reduction_recover)
  *   (MT7)  v+ = v + dv,   x+ = x + h (v + theta dv)
@@ -33,15 +34,27 @@
 
 /* ---- the contact problem of a step ----------------------------------------------------------- */
 
-/* (MT4) */
-static void step_activate(dls_motion *motion) {
+/* Part of the motion without contact in a step, h max |q|, up to which a gap that was closed stays
+ * so. Rounding and the tolerance, 1e-12, open it by some 1e-12 of that in a step at rest. */
+static const double still_closed = 1e-4;
+
+/* (MT4) q: m, of the step; NULL where all are closed. */
+static void step_activate(dls_motion *motion, const double *q) {
   const dls_motion_settings *s = &motion->settings;
+  const motion_point *now = &motion->now;
   const int d = motion->model.d, all = s->law != DLS_MOTION_VELOCITY;
   motion_point *next = &motion->next;
+  double most = 0;
+  for (size_t k = 0; !all && k < motion->m; k++)
+    most = fmax(most, fabs(q[k]));
   next->active = 0;
-  for (int c = 0; c < (int)motion->candidates; c++)
-    if (all || motion->now.gap[c] + s->forecast * s->h * motion->uc[d * c] <= s->activation)
+  for (int c = 0, a = 0; c < (int)motion->candidates; c++) {
+    const int was = a < now->active && now->list[a] == c;
+    a += was;
+    if (all || now->gap[c] + s->forecast * s->h * motion->uc[d * c] <= s->activation ||
+        (was && now->gap[c] <= still_closed * s->h * most))
       next->list[next->active++] = c;
+  }
 }
 
 /* Finds the states of the active contacts from motion->r and motion->w. */
@@ -107,7 +120,7 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
   if (!status)
     status = dls_reduction_contact(motion->reduction, mu ? mu : motion->zero, &whole, error);
   if (status) return status;
-  step_activate(motion);
+  step_activate(motion, whole.q);
   status = dls_contact_subset(&whole, motion->next.active, motion->next.list, motion->values, NULL,
                               &motion->problem, error);
   if (!status) status = step_solve(motion, start, factor, info, error);
@@ -128,7 +141,7 @@ static dls_status step_on_K(dls_motion *motion, const double *mu, dls_info *info
   dls_solver_settings_init(&settings);
   settings.limits = motion->settings.limits;
   settings.limits.tol *= more_digits;
-  step_activate(motion);
+  step_activate(motion, NULL);
   memcpy(next->p, motion->now.p, motion->m * sizeof *next->p);
   dls_status status = dls_reduction_load(motion->reduction, motion->b, motion->local, error);
   if (!status)
