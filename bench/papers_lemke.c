@@ -150,7 +150,8 @@ int papers_lemke(FILE *page, const char *out) {
       "## How does Lemke's method grow?\n\n"
       "The pivots grow like n (exponents %.2f and %.2f), the CPU of the path like n^%.1f to "
       "n^%.1f: %.2g s for %g contacts, where auto\ntakes %.2g s. Each pivot changes a table of n x "
-      "(n + 1), which makes n^3 of it; no size was reached where it fails. The crash\nstart, which "
+      "(n + 1), which makes n^3 of it; it did not fail up to\n%g rows, the largest here. The "
+      "crash\nstart, which "
       "pivots many pairs at once, needs %g to %g rounds, and is up to %.0f times faster; auto "
       "takes %.1f times its CPU on the "
       "largest\nblock, %.1f times on the largest lining.\n\n"
@@ -160,8 +161,8 @@ int papers_lemke(FILE *page, const char *out) {
       "| problem | contacts | rows | path: pivots | s | residual | crash start: rounds | s | "
       "residual | auto: s |\n|---|---|---|---|---|---|---|---|---|---|\n",
       of_pivots[0], of_pivots[1], fmin(of_path[0], of_path[1]), fmax(of_path[0], of_path[1]),
-      large->cpu[0], large->n / 3, large->by_auto, row[0][0].pivots[1],
-      row[0][sizes[0] - 1].pivots[1], large->cpu[0] / large->cpu[1],
+      large->cpu[0], large->n / 3, large->by_auto, fmax(large->n, row[0][sizes[0] - 1].n),
+      row[0][0].pivots[1], row[0][sizes[0] - 1].pivots[1], large->cpu[0] / large->cpu[1],
       row[0][sizes[0] - 1].by_auto / row[0][sizes[0] - 1].cpu[1], large->by_auto / large->cpu[1]);
   for (int kind = 0; kind < kinds; kind++) {
     for (int k = 0; k < sizes[kind]; k++) {

@@ -1,6 +1,7 @@
 #!/bin/sh
 # flags.sh MAKE BUILD CC [all]: the flags that make a wrong library are refused: arithmetic that forgets NaN, sums in
-# another order, the x87's precision. all: library and program compile and link without a warning under flags of every
+# another order, the x87's precision. What is built has the guards against overruns, and does not name its folder: two
+# folders give the same bytes. all: library and program compile and link without a warning under flags of every
 # kind, with gcc and, where it is there, clang. From the top of the repository.
 set -u
 make=$1
@@ -22,6 +23,25 @@ for flag in -Ofast -ffast-math -ffinite-math-only '-O2 -fassociative-math -fno-s
   compiles $flag && echo "not refused: $flag" && bad=1
 done
 echo "flags: $refused refused"
+
+so=$build/libdelassus.so
+has() { readelf -Ws "$1" | grep -q -e "$2" || { echo "flags: $1 has no $2"; bad=1; }; }
+if [ -z "${HARDEN-guards}" ]; then echo "flags: built without guards"
+elif command -v readelf >/dev/null; then
+  readelf -d "$so" | grep -q -e BIND_NOW -e 'FLAGS.*NOW' || { echo "flags: $so is not bound at its start"; bad=1; }
+  has "$so" __stack_chk_fail
+  has "$build/delassus" __stack_chk_fail
+  has "$build/delassus" '__[a-z]*printf_chk'
+fi
+folders=$(mktemp -d)
+for folder in one two; do
+  mkdir -p "$folders/$folder/src"
+  cp -r Makefile include "$folders/$folder"
+  cp -r src/base "$folders/$folder/src"
+  $make -s --no-print-directory -C "$folders/$folder" BUILD=build build/obj/src/base/number.o >/dev/null || bad=1
+done
+cmp "$folders/one/build/obj/src/base/number.o" "$folders/two/build/obj/src/base/number.o" || bad=1
+rm -rf "$folders"
 [ "${4:-}" = all ] || exit $bad
 
 # try NAME VARIABLE...: builds with these variables of make

@@ -50,7 +50,7 @@ typedef struct dls_forming_settings {
   int keep_trace;     /* update (13) as printed instead of det be = 1; 0 */
   double ram_mu;      /* extrusion: friction at the ram; >= 0; 0 */
   double penalty;     /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
-                                  penalty method; 0 */
+                         penalty method, whose error then shows; 1e6 to 1e10 hide it; 0 */
   int augmentations;  /* largest number of updates of the multipliers in a step; 0: the limit
                                   of the contact loop; 0 */
   double relaxation;  /* Gauss-Seidel: see primal.h; 1 */

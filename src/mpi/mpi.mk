@@ -25,7 +25,7 @@ $(MPI_A): $(MPI_OBJ)
 
 $(MPI_SO).$(VERSION): $(MPI_OBJ) src/delassus.map
 	$(call say,LINK)
-	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,$(notdir $(MPI_SO)).$(SOVERSION) \
+	$(Q)$(CC) -shared $(SANITIZE) $(HARDEN_LINK) $(LDFLAGS) -Wl,-soname,$(notdir $(MPI_SO)).$(SOVERSION) \
 	  -Wl,--version-script=src/delassus.map -o $@ $(MPI_OBJ) $(MPI_CORE_LIBS)
 
 $(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(FILES) $(MPI_A)
