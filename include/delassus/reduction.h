@@ -267,7 +267,7 @@ DLS_API DLS_MUST_USE dls_status dls_weighting_quadratic(int nodes, const double 
 /* Computes P of a rectangular grid of faces in 3D: the Kronecker product of the P of two lines, and
  * a cell the product of two cells.
  *
- *   order        1: four-node faces, dls_weighting_line; 2: nine-node faces, dls_weighting_quadratic
+ *   order        1: four-node faces, dls_weighting_line; 2: nine-node ones, dls_weighting_quadratic
  *   nodes_s, nodes_t   nodes of the lines; 1 for a strip of width 1: its P is 1
  *   s, t         abscissae of the lines, nodes_s, nodes_t          length
  *   candidate_s, candidate_t   as for a line: candidates are the products of candidates. NULL: all
