@@ -26,6 +26,7 @@
  *   facets.h     contact on a cone with facets as an LCP
  *   pivoting.h   LCP: principal pivoting, enumeration
  *   files.h      FCLIB and Matrix Market files (libdelassus-files)
+ *   limit.h      the largest load that is carried, with a proof on both sides
  *   layout.h     layouts of these structs, for other languages
  *
  * delassus/fe.h, the finite element module of the benchmark scenes, is a library of its own.
@@ -44,6 +45,7 @@
 #include "delassus/info.h"
 #include "delassus/layout.h"
 #include "delassus/lcp.h"
+#include "delassus/limit.h"
 #include "delassus/limits.h"
 #include "delassus/matrix.h"
 #include "delassus/model.h"

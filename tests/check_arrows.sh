@@ -53,6 +53,7 @@ derive.h src/facts
 solve.h src/front
 diagnose.h src/front
 layout.h src/front
+limit.h src/front
 motion.h src/motion
 fe.h src/fe
 forming.h src/fe
