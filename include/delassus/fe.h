@@ -127,13 +127,15 @@ typedef struct dls_fe_scene_settings {
   double side;        /* traction +x on the face x = 0, at its bottom         force / length^2 */
   double side_top;    /* and at its top, linear in between                   force / length^2 */
   dls_fe_order order; /* DLS_FE_TOGETHER */
+  double grade; /* the k-th of n nodes from the fixed node along each side stands at (k/n)^grade
+                         of the side: above 1 the elements become small there; 0: 1; 0 */
 } dls_fe_scene_settings;
 
 /* Sets each field to its default. */
 DLS_API void dls_fe_scene_settings_init(dls_fe_scene_settings *settings);
 
 /* Creates the scene `name` with concentrated (weighted = 0) or weighted reactions: *out, NULL on
- * error. The model has a dense K up to 1000 unknowns, beyond a sparse one. DLS_E_ARGUMENT if there
+ * error. The model has a dense K up to 300 unknowns, beyond a sparse one. DLS_E_ARGUMENT if there
  * is no scene of that name or a setting is out of range; DLS_E_SETTINGS, DLS_E_SIZE, DLS_E_MEMORY.
  * */
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name,

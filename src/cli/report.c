@@ -40,7 +40,7 @@ static void report_usage(FILE *out) {
         "      --text            print the page as text, too\n"
         "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
         "printed)\n" LAST_USAGE "\n"
-        "Exit status: 0, 1 if no setting is measured to be accurate enough, 2 bad input.\n\n",
+        "Exit status: 0, 1 if there is no answer, 2 bad input.\n\n",
         out);
   source_usage(out);
 }
@@ -103,8 +103,8 @@ static void add_parts(report *a, const dls_contact *contact) {
   part_stability(&a->parts, contact);
 }
 
-/* Adds the end; returns the exit status. */
-static int end_page(report *a, const char *directory, int met) {
+/* Adds the end; returns the exit status. met: within the accuracy; solved: there is an answer. */
+static int end_page(report *a, const char *directory, int met, int solved) {
   if (a->page.pictures == 0 && !a->options->quick) {
     page_say(&a->page, PAGE_NOTE, "No pictures: install gnuplot (Debian: gnuplot-nox).");
     if (!a->parts.scene) (void)complain("no pictures; install gnuplot (Debian: gnuplot-nox)");
@@ -115,7 +115,7 @@ static int end_page(report *a, const char *directory, int met) {
   print_page(a, met);
   if (!a->page.text) tell("%s: %s.\n", quote(AS_SHOWN, a->shown).text, a->verdict);
   tell("page: %s/%s\n", quote(AS_SHOWN, directory).text, a->file);
-  return met ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  return solved ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 }
 
 /* ---- a scene --------------------------------------------------------------------------------- */
@@ -156,7 +156,7 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   if ((o->quick || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
       begin_page(a, directory)) {
     add_scene(a, b, &p);
-    result = end_page(a, directory, b->met);
+    result = end_page(a, directory, b->met, !b->probe[b->take].got.status);
   }
   problem_free(&p);
   free(b);
@@ -186,7 +186,7 @@ static int add_contact(report *a, const dls_contact *contact, const char *direct
       add_parts(a, contact);
       page_say(&a->page, PAGE_SECTION, "Contacts");
       file_contacts(b, &a->page);
-      result = end_page(a, directory, b->take >= 0);
+      result = end_page(a, directory, b->take >= 0, b->best >= 0);
     }
   }
   file_budget_free(b);
@@ -292,5 +292,5 @@ int command_report(int argc, char **argv) {
     print_json_string(stdout, directory);
     puts("\n}");
   }
-  return end_command(result, "no setting is measured to be accurate enough");
+  return end_command(result, "there is no answer");
 }

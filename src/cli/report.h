@@ -66,11 +66,14 @@ typedef struct probe {
 typedef struct ladder {
   const char *part;
   int mesh, steps, tol; /* levels of the other parts */
+  double grade;         /* of the mesh; 0: even */
   int low, high;        /* levels that were run; low > high: none */
   int run[LEVELS];      /* the probe of a level: run[level - LOWEST] */
-  double limit;         /* value for the finest of all, by the measured order */
-  double doubt;         /* of the limit, relative */
-  double order;         /* measured; NaN: irregular */
+  double limit;         /* of the values; the finest value if they have no order */
+  double truth;         /* limit, or a better one: a closed form, the other mesh */
+  double doubt;         /* estimated error of the limit, relative */
+  double order;         /* measured; NaN: none that three limits agree on */
+  int monotone;         /* 1: the last values move in one direction */
 } ladder;
 
 typedef struct budget {
@@ -79,10 +82,11 @@ typedef struct budget {
   double start;
   int probes;
   probe probe[MOST_PROBES];
-  ladder mesh, steps, tol;
-  double reference, doubt; /* the value for the finest mesh and steps; of it, relative */
+  ladder mesh, graded, steps, tol;
+  double reference, doubt; /* the closed form or the limit of the ladders; its estimated error */
+  int disagree;            /* 1: the limits of both meshes differ by more than their doubts */
   int own, take, check;    /* probes; -1: none */
-  double error;            /* of the setting to take, relative: the larger of both below */
+  double error;            /* of the setting to take, relative, with the doubt */
   int met;                 /* 1: take is within the accuracy, and the check run agrees */
   setting enough;          /* met = 0: what would be enough by the measured orders, ... */
   double enough_seconds;   /* ... and its CPU by the measured cost; NaN: not known */

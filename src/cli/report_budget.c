@@ -3,19 +3,24 @@
  * setting that is accurate enough (report.h).
  *
  *   1  run the scene as it is
- *   2  ladders: mesh by sqrt(2), steps by 2, tolerance by 10: coarser ones, then finer ones
- *      until the limit of the ladder is known to a 20th of the accuracy, or its share of the CPU
- *      is gone
- *   3  reference := the limit of the mesh + what the limit of the steps adds
+ *   2  ladders: mesh by sqrt(2), an even one and one that is graded towards the fixed node, steps
+ *      by 2, tolerance by 10: coarser ones, then finer ones until the limit of the ladder is
+ *      estimated to a quarter of the accuracy, or its share of the CPU is gone
+ *   3  reference := the closed form; else the limit of the mesh with the smaller doubt + what the
+ *      limit of the steps adds
  *   4  predict the error of each (mesh, steps) as the sum of both envelopes: the largest error of
  *      a level and of all finer ones, so that no level passes by luck
- *   5  run those within the accuracy, the cheapest first, until one is within it as measured
+ *   5  run those within the accuracy, the cheapest first, until one is within it as measured, the
+ *      doubt of the reference added
  *   6  check: run half the mesh size and twice the steps; where the answers differ by more than the
  *      accuracy, go on with 5
  *   7  variants of the model at the scene's own setting: friction, weighting, penalty, mass
  *
- * The limit of a ladder is Richardson's where the last three values contract; else the mean of the
- * last three. Steps of a scene in time go with the mesh: their ratio to the element size stays.
+ * The limit of a ladder is Richardson's with the doubt of the grid convergence index [Roache 1994],
+ * 1.25 |limit - finest|, where three limits agree: those without the finest 0, 1 and 2 levels, the
+ * orders of the first two within 0.3 and not below 0.5. Else it is the finest value, and the doubt
+ * 3 times the largest difference over a factor 2 of the last levels. Steps of a scene in time go
+ * with the mesh: their ratio to the element size stays.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -24,13 +29,14 @@
 
 /* Parts of the CPU limit: of a ladder of meshes, of steps, of tolerances; of one candidate. */
 static const double mesh_share = 0.55, steps_share = 0.12, tol_share = 0.06;
-static const double well_known = 0.05;  /* of the accuracy: a limit is not refined further */
-static const double doubted = 0.25;     /* of the accuracy that is left to doubt, at most */
-static const double tol_part = 0.02;    /* of the accuracy that the tolerance may take, ... */
-static const double steps_part = 0.1;   /* ... and the steps on the ladder of meshes */
-static const double slow = 0.01;        /* of the CPU: such a scene tries tolerances coarsely */
-static const double contracts = 1.15;   /* least ratio of differences of a regular ladder */
-static const double loosest_tol = 0.11; /* a tenth, with its rounding */
+static const double well_known = 0.25; /* of the accuracy: a limit is not refined further */
+static const double tol_part = 0.02;   /* of the accuracy that the tolerance may take, ... */
+static const double steps_part = 0.1;  /* ... and the steps on the ladder of meshes */
+static const double slow = 0.01;       /* of the CPU: such a scene tries tolerances coarsely */
+static const double alike = 0.3, least_order = 0.5; /* orders of a regular ladder */
+static const double safe = 1.25, unsafe = 3;        /* factors of the grid convergence index */
+static const double graded = 3;                     /* the grade of a graded mesh */
+static const double loosest_tol = 0.11;             /* a tenth, with its rounding */
 enum { MOST_LEVELS = 12, TIGHTER = 2 }; /* beyond a ladder, to extrapolate; digits of tol */
 
 /* ---- runs ------------------------------------------------------------------------------------ */
@@ -52,9 +58,15 @@ static int run_probe(budget *b, const setting *at, const char *part, dls_error *
 
 /* ---- ladders --------------------------------------------------------------------------------- */
 
+static int is_mesh(const budget *b, const ladder *l) {
+  return l == &b->mesh || l == &b->graded;
+}
+
 static setting at_level(const budget *b, const ladder *l, int level) {
-  return setting_scaled(b->scene, l == &b->mesh ? level : l->mesh,
-                        l == &b->steps ? level : l->steps, l == &b->tol ? level : l->tol);
+  setting at = setting_scaled(b->scene, is_mesh(b, l) ? level : l->mesh,
+                              l == &b->steps ? level : l->steps, l == &b->tol ? level : l->tol);
+  at.grade = l->grade;
+  return at;
 }
 
 int ladder_probe(const budget *b, const ladder *l, int level) {
@@ -78,7 +90,7 @@ static int ladder_run(budget *b, ladder *l, int up, dls_error *error) {
   const int level = up ? l->high + 1 : l->low - 1;
   if (level < LOWEST || level > HIGHEST) return 0;
   const setting at = at_level(b, l, level), next = at_level(b, l, up ? l->high : l->low);
-  if (setting_is(&at, &next) || at.tol > loosest_tol || (!up && l == &b->mesh && at.nx <= 2))
+  if (setting_is(&at, &next) || at.tol > loosest_tol || (!up && is_mesh(b, l) && at.nx <= 2))
     return 0;
   const int k = run_probe(b, &at, l->part, error);
   if (k < 0) return 0;
@@ -87,45 +99,37 @@ static int ladder_run(budget *b, ladder *l, int up, dls_error *error) {
   return b->probe[k].got.status == DLS_OK;
 }
 
-/* Finds the limit of three values, the finest last, and the order; returns 0 if they do not
- * contract. factor: of the size between them. */
-static int richardson(const double v[3], double factor, double *limit, double *order) {
-  const double d1 = v[1] - v[0], d2 = v[2] - v[1], ratio = d1 / d2;
-  if (!(ratio > contracts)) return 0; /* NaN, too */
-  *order = log(ratio) / log(factor);
-  *limit = v[2] + d2 / (ratio - 1);
-  return 1;
+/* Returns by how much the value changes over a factor 2 up to the level. */
+static double change_to(const budget *b, const ladder *l, int level) {
+  return ladder_value(b, l, level) - ladder_value(b, l, level - (is_mesh(b, l) ? 2 : 1));
 }
 
 /* Sets limit, order and doubt from the finest levels. */
 static void ladder_settle(const budget *b, ladder *l) {
-  const int apart = l == &b->mesh ? 2 : 1; /* levels of a factor 2 */
-  double v[3], limit[2], order;
-  int good = 1;
-  for (int back = 0; back < 2 && good; back++) {
-    for (int i = 0; i < 3; i++)
-      v[2 - i] = ladder_value(b, l, l->high - back - apart * i);
-    good = richardson(v, 2, &limit[back], back ? &order : &l->order);
+  const double finest = ladder_value(b, l, l->high);
+  double limit[3], order[3], most = 0;
+  int good = 1, up = 0, down = 0;
+  for (int k = 0; k < 3; k++) {
+    const double last = change_to(b, l, l->high - k);
+    const double ratio = change_to(b, l, l->high - k - (is_mesh(b, l) ? 2 : 1)) / last;
+    order[k] = log2(ratio); /* NaN: no order */
+    limit[k] = ladder_value(b, l, l->high - k) + last / (ratio - 1);
+    good = good && order[k] > least_order;
+    if (k < 2 && fabs(last) > most) most = fabs(last);
   }
-  if (good) {
-    const double last = fabs(limit[0] - ladder_value(b, l, l->high));
-    l->limit = limit[0];
-    l->doubt = fmax(fabs(limit[0] - limit[1]), 0.1 * last) / fabs(limit[0]);
-    return;
+  for (int level = l->high; level > l->low && level > l->high - 4; level--) {
+    const double step = ladder_value(b, l, level) - ladder_value(b, l, level - 1);
+    up += step > 0;
+    down += step < 0;
+    most = fmax(most, fabs(step));
   }
-  double lo = INFINITY, hi = -INFINITY, sum = 0;
-  int count = 0;
-  for (int level = l->high; level >= l->low && count < 3; level--) {
-    const double value = ladder_value(b, l, level);
-    if (!isfinite(value)) continue;
-    lo = fmin(lo, value);
-    hi = fmax(hi, value);
-    sum += value;
-    count++;
-  }
-  l->order = NAN;
-  l->limit = count ? sum / count : (double)NAN;
-  l->doubt = count > 1 ? (hi - lo) / 2 / fabs(l->limit) : count ? 0 : (double)INFINITY;
+  const double rest = safe * fabs(limit[0] - finest);
+  good = good && fabs(order[0] - order[1]) < alike && fabs(limit[1] - limit[0]) <= rest &&
+         fabs(limit[2] - limit[0]) <= rest;
+  l->order = good ? order[0] : (double)NAN;
+  l->limit = l->truth = good ? limit[0] : finest;
+  l->doubt = (good ? rest : l->high > l->low ? unsafe * most : (double)INFINITY) / fabs(l->limit);
+  l->monotone = !up || !down;
 }
 
 /* Returns the largest error of a level and of all finer ones, relative to the ladder's limit;
@@ -134,7 +138,7 @@ static double ladder_error(const budget *b, const ladder *l, int level) {
   if (l->low > l->high) return 0;
   /* steps that go with the mesh have their limit there */
   const int with_mesh = l == &b->steps && b->scene->dynamic;
-  const double limit = with_mesh ? ladder_value(b, l, 0) : l->limit;
+  const double limit = with_mesh ? ladder_value(b, l, 0) : l->truth;
   double worst = ladder_probe(b, l, level) < 0 ? INFINITY : 0;
   for (int k = level; k <= (with_mesh ? 0 : l->high); k++) {
     const double value = ladder_value(b, l, k);
@@ -149,8 +153,13 @@ static double ladder_cost(const budget *b, const ladder *l, int level) {
   const int last = level > l->high ? l->high : level;
   const double own = ladder_seconds(b, l, 0), seconds = ladder_seconds(b, l, last);
   const double before = ladder_seconds(b, l, last - 1);
-  const double ratio = before > 0 ? fmax(1.1, seconds / before) : l == &b->mesh ? 2.5 : 2;
+  const double ratio = before > 0 ? fmax(1.1, seconds / before) : is_mesh(b, l) ? 2.5 : 2;
   return seconds / own * pow(ratio, level - last);
+}
+
+/* Returns 1 if the value of a level is within the accuracy of the closed form. */
+static int beside_exact(const budget *b, const ladder *l, int level) {
+  return fabs(ladder_value(b, l, level) / b->scene->exact - 1) <= b->accuracy;
 }
 
 /* Climbs down to the coarsest level and up to where the limit is known, in `part` of the CPU. */
@@ -173,6 +182,9 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
     ladder_settle(b, l);
     const double next = b->probe[k0].got.seconds * ladder_cost(b, l, l->high + 1);
     if (l->high >= (l == &b->tol ? 1 : 2) && l->doubt < well_known * b->accuracy) return;
+    if (is_mesh(b, l) && l->high >= 2 && beside_exact(b, l, l->high) &&
+        beside_exact(b, l, l->high - 1))
+      return;
     if (l == &b->tol && l->high == 1) return;
     if (cpu_seconds() - start + next > share || !ladder_run(b, l, 1, error)) return;
   }
@@ -184,16 +196,12 @@ double budget_error(const budget *b, int k) {
   return fabs(b->probe[k].got.value - b->reference) / fabs(b->reference);
 }
 
-/* Returns the error beside the reference that is within the accuracy. */
-static double within(const budget *b) {
-  return b->accuracy - fmin(b->doubt, doubted * b->accuracy);
-}
-
 /* A setting to try. */
 typedef struct candidate {
   double seconds, error; /* as predicted; candidates are sorted by the first member */
   int mesh, steps;
-  int failed; /* 1: it is not within the accuracy, as measured */
+  const ladder *of; /* the mesh, even or graded */
+  int failed;       /* 1: it is not within the accuracy, as measured */
 } candidate;
 
 /* Returns the coarsest level, at most 0, whose error is below `part` of the accuracy. */
@@ -210,33 +218,44 @@ static int choose_tol(const budget *b) {
 }
 
 /* Returns what a setting would cost. */
-static double foreseen_seconds(const budget *b, int mesh, int steps) {
-  const double base = b->mesh.low > b->mesh.high
-                          ? b->probe[b->own].got.seconds * ladder_cost(b, &b->steps, b->mesh.steps)
-                          : ladder_seconds(b, &b->mesh, 0);
-  return base * ladder_cost(b, &b->mesh, mesh) * ladder_cost(b, &b->steps, steps) /
-         ladder_cost(b, &b->steps, b->mesh.steps);
+static double foreseen_seconds(const budget *b, const ladder *of, int mesh, int steps) {
+  const double base = of->low > of->high
+                          ? b->probe[b->own].got.seconds * ladder_cost(b, &b->steps, of->steps)
+                          : ladder_seconds(b, of, 0);
+  return base * ladder_cost(b, of, mesh) * ladder_cost(b, &b->steps, steps) /
+         ladder_cost(b, &b->steps, of->steps);
 }
 
 static int list_candidates(const budget *b, candidate *list) {
+  const ladder *const meshes[] = {&b->mesh, &b->graded}, *steps = &b->steps;
   int count = 0;
-  for (int i = b->mesh.low > b->mesh.high ? 0 : b->mesh.low; i <= fmax(0, b->mesh.high); i++)
-    for (int j = b->steps.low > b->steps.high ? 0 : b->steps.low; j <= fmax(0, b->steps.high);
-         j++) {
-      const double error = ladder_error(b, &b->mesh, i) + ladder_error(b, &b->steps, j);
-      if (error <= b->accuracy)
-        list[count++] = (candidate){foreseen_seconds(b, i, j), error, i, j, 0};
-    }
+  for (int k = 0; k < 2; k++) {
+    const ladder *of = meshes[k];
+    if (of->low > of->high && k) continue;
+    for (int i = of->low > of->high ? 0 : of->low; i <= fmax(0, of->high); i++)
+      for (int j = steps->low > steps->high ? 0 : steps->low; j <= fmax(0, steps->high); j++) {
+        const double error = ladder_error(b, of, i) + ladder_error(b, steps, j);
+        if (error + b->doubt <= b->accuracy)
+          list[count++] = (candidate){foreseen_seconds(b, of, i, j), error, i, j, of, 0};
+      }
+  }
   qsort(list, (size_t)count, sizeof *list, ascending);
   return count;
+}
+
+static setting candidate_setting(const budget *b, const candidate *c, int finer, int steps,
+                                 int tol) {
+  setting at = setting_scaled(b->scene, c->mesh + finer, c->steps + steps, tol);
+  at.grade = c->of->grade;
+  return at;
 }
 
 /* Runs twice as fine a setting; returns its probe, -1 if there is no time for one. */
 static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
   const int steps = b->scene->dynamic ? 0 : 1;
   for (int mesh = 2; mesh > 0; mesh--) {
-    if (foreseen_seconds(b, c->mesh + mesh, c->steps + steps) > seconds_left(b)) continue;
-    const setting at = setting_scaled(b->scene, c->mesh + mesh, c->steps + steps, tol + 1);
+    if (foreseen_seconds(b, c->of, c->mesh + mesh, c->steps + steps) > seconds_left(b)) continue;
+    const setting at = candidate_setting(b, c, mesh, steps, tol + 1);
     return run_probe(b, &at, "check", error);
   }
   return -1;
@@ -244,15 +263,13 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
 
 /* Tries a candidate; returns 1 if it is within the accuracy and its check agrees. */
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
-  const setting at = setting_scaled(b->scene, c->mesh, c->steps, tol);
+  const setting at = candidate_setting(b, c, 0, 0, tol);
   const int k = run_probe(b, &at, "search", error);
-  if (k < 0 || b->probe[k].got.status || budget_error(b, k) > within(b)) return 0;
+  if (k < 0 || b->probe[k].got.status || budget_error(b, k) + b->doubt > b->accuracy) return 0;
   const int run = run_check(b, c, tol, error);
   const int check = run >= 0 && isfinite(b->probe[run].got.value) ? run : -1;
-  /* without a check run the doubt of the reference stands for it */
-  const double other = check < 0 ? budget_error(b, k) + b->doubt
-                                 : fabs(b->probe[k].got.value / b->probe[check].got.value - 1);
-  const double error_of = fmax(budget_error(b, k), other);
+  const double other = check < 0 ? 0 : fabs(b->probe[k].got.value / b->probe[check].got.value - 1);
+  const double error_of = fmax(budget_error(b, k) + b->doubt, other);
   if (b->take >= 0 && b->error <= error_of) return 0;
   b->take = k;
   b->check = check;
@@ -263,22 +280,25 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
 /* Takes the finest mesh, unless what was tried is better, and finds by the order of the mesh what
  * would be enough. */
 static void take_the_best(budget *b) {
+  const ladder *of =
+      b->graded.low <= b->graded.high && b->graded.doubt < b->mesh.doubt ? &b->graded : &b->mesh;
   int best = b->own;
-  for (int level = b->mesh.low; level <= b->mesh.high; level++)
-    if (ladder_probe(b, &b->mesh, level) >= 0) best = ladder_probe(b, &b->mesh, level);
-  const double error = fmax(budget_error(b, best), b->doubt);
+  for (int level = of->low; level <= of->high; level++)
+    if (ladder_probe(b, of, level) >= 0) best = ladder_probe(b, of, level);
+  const double error = budget_error(b, best) + b->doubt;
   if (b->take < 0 || !(b->error <= error)) {
     b->take = best;
     b->check = -1;
     b->error = error;
   }
-  const double finest = ladder_error(b, &b->mesh, b->mesh.high);
-  if (!isfinite(b->mesh.order) || !isfinite(finest)) return;
-  const double rest = ladder_error(b, &b->steps, b->mesh.steps);
+  /* the error that is left falls with the order; without one, with the least order */
+  const double order = isfinite(of->order) ? of->order : least_order;
+  if (of->low > of->high || b->disagree) return;
   for (int more = 1; more <= MOST_LEVELS; more++) {
-    if (finest * pow(2, -0.5 * more * b->mesh.order) + rest > within(b)) continue;
-    b->enough = setting_scaled(b->scene, b->mesh.high + more, b->mesh.steps, b->mesh.tol);
-    b->enough_seconds = foreseen_seconds(b, b->mesh.high + more, b->mesh.steps);
+    if (b->error * pow(2, -0.5 * more * order) > b->accuracy) continue;
+    b->enough = setting_scaled(b->scene, of->high + more, of->steps, of->tol);
+    b->enough.grade = of->grade;
+    b->enough_seconds = foreseen_seconds(b, of, of->high + more, of->steps);
     return;
   }
 }
@@ -293,6 +313,32 @@ static void run_variants(budget *b, dls_error *error) {
       (void)run_probe(b, &at, name, error);
 }
 
+/* The closed form; else the limit of the mesh with the smaller doubt, which both meshes have in
+ * common, and what the limit of the steps adds. */
+static void make_reference(budget *b) {
+  ladder *m = &b->mesh, *g = &b->graded;
+  const double own = b->probe[b->own].got.value;
+  const int two = g->low <= g->high;
+  b->reference = isfinite(m->limit) ? m->limit : own;
+  b->doubt = isfinite(m->limit) ? m->doubt : 0;
+  if (two && g->doubt < m->doubt) {
+    b->reference = g->limit;
+    b->doubt = g->doubt;
+  }
+  b->disagree = two && !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
+  if (b->disagree) b->doubt = fabs(g->limit / m->limit - 1);
+  if (isfinite(b->scene->exact)) {
+    b->reference = b->scene->exact;
+    b->doubt = 0;
+  }
+  if (isfinite(m->limit)) m->truth = b->reference;
+  if (two) g->truth = b->reference;
+  if (b->scene->dynamic || !isfinite(b->steps.limit)) return;
+  b->reference +=
+      b->steps.limit - (isfinite(m->limit) ? ladder_value(b, &b->steps, m->steps) : own);
+  b->doubt += b->steps.doubt;
+}
+
 /* Climbs all ladders: that of the meshes, the most costly one, with as many steps and as tight a
  * tolerance as the other two ask for; and makes the reference. */
 static void measure(budget *b, dls_error *error) {
@@ -305,14 +351,15 @@ static void measure(budget *b, dls_error *error) {
   ladder_climb(b, &b->tol, tol_share, error);
   b->mesh.part = "mesh";
   b->mesh.tol = (int)fmin(choose_tol(b) + TIGHTER, 0); /* a fine mesh asks for more */
-  ladder_climb(b, &b->mesh, mesh_share, error);
-  b->reference = isfinite(b->mesh.limit) ? b->mesh.limit : own->got.value;
-  b->doubt = isfinite(b->mesh.limit) ? b->mesh.doubt : 0;
-  if (b->scene->dynamic || !isfinite(b->steps.limit)) return;
-  b->reference +=
-      b->steps.limit -
-      (isfinite(b->mesh.limit) ? ladder_value(b, &b->steps, b->mesh.steps) : own->got.value);
-  b->doubt += b->steps.doubt;
+  b->graded = b->mesh;
+  b->graded.part = "graded mesh";
+  b->graded.grade = graded;
+  const int two = b->scene->kind == SCENE_AT_ONCE;
+  b->graded.low = 1;
+  b->graded.high = 0;
+  if (two) ladder_climb(b, &b->graded, mesh_share / 2, error);
+  ladder_climb(b, &b->mesh, mesh_share / (1 + two), error);
+  make_reference(b);
 }
 
 dls_status budget_run(budget *b, dls_error *error) {
@@ -322,12 +369,13 @@ dls_status budget_run(budget *b, dls_error *error) {
   b->own = run_probe(b, &b->scene->own, "own", error);
   if (b->own < 0) return b->status;
   measure(b, error);
-  static candidate list[LEVELS * LEVELS];
+  static candidate list[2 * LEVELS * LEVELS];
   const int count = list_candidates(b, list), tol = choose_tol(b);
   for (int k = 0; k < count && !b->met && list[k].seconds < seconds_left(b); k++) {
     int coarser = 0; /* than one that has failed */
     for (int i = 0; i < k && !coarser; i++)
-      coarser = list[i].failed && list[k].mesh <= list[i].mesh && list[k].steps <= list[i].steps;
+      coarser = list[i].failed && list[k].of == list[i].of && list[k].mesh <= list[i].mesh &&
+                list[k].steps <= list[i].steps;
     list[k].failed = !coarser && !try_candidate(b, &list[k], tol, error);
   }
   if (!b->met) take_the_best(b);

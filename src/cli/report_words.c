@@ -24,20 +24,22 @@ void budget_verdict(const budget *b, char *text, size_t size) {
     (void)snprintf(text, size, "%s does not finish: %s, after %.0f %% of the steps", s->name,
                    dls_status_text(take->got.status), 100 * take->got.part);
   } else if (b->met) {
-    (void)snprintf(text, size, "Take %s: %s within %s, %.2g s of CPU (measured: %s)", words,
-                   s->answer, wanted, take->got.seconds, error);
+    (void)snprintf(text, size, "Take %s: %s within %s, %.2g s of CPU (%s: %s)", words, s->answer,
+                   wanted, take->got.seconds,
+                   isfinite(s->exact) ? "by the closed form" : "estimated to", error);
   } else if (b->enough_seconds > 0) {
     (void)snprintf(
         text, size,
-        "Not decided: %.3g s of CPU do not reach %s. The best that was tried, %s: %s within "
-        "about %s, %.2g s. By the measured order %s would be enough, in about %.3g s",
-        b->limit, wanted, words, s->answer, error, take->got.seconds,
+        "Not decided: %.3g s of CPU do not reach %s. Best within %s: %s, %.2g s. By %s %s would be "
+        "enough, in about %.2g s",
+        b->limit, wanted, error, words, take->got.seconds,
+        isfinite(b->mesh.order) ? "the measured order" : "order 0.5",
         setting_text(s, &b->enough, 0, more), b->enough_seconds);
   } else {
-    (void)snprintf(text, size,
-                   "Not decided: no setting is within %s as measured. The best that was tried, %s: "
-                   "%s within about %s, %.2g s of CPU",
-                   wanted, words, s->answer, error, take->got.seconds);
+    (void)snprintf(text, size, "Not decided: %s %s. Best within %s: %s, %.2g s of CPU",
+                   b->disagree ? "the even and the graded mesh tend to answers further apart than"
+                               : "no setting is within",
+                   wanted, error, words, take->got.seconds);
   }
 }
 
@@ -73,13 +75,18 @@ static void add_ladder(const budget *b, page *p, const ladder *l, int finer, con
 static void say_ladder(page *p, const ladder *l) {
   char text[24];
   if (l->low >= l->high) return;
+  (void)percent(l->doubt, text);
+  const int levels = l->high - l->low + 1;
   if (isfinite(l->order))
-    page_say(p, PAGE_PLAIN, "%s: %d levels; the answer tends to %.6g with order %.2g, known to %s.",
-             l->part, l->high - l->low + 1, l->limit, l->order, percent(l->doubt, text));
-  else
     page_say(p, PAGE_PLAIN,
-             "%s: %d levels; the answer scatters around %.6g by %s and has no order.", l->part,
-             l->high - l->low + 1, l->limit, percent(l->doubt, text));
+             "%s: %d levels. The answer tends to %.6g with order %.2g, estimated to %s.", l->part,
+             levels, l->limit, l->order, text);
+  else
+    page_say(
+        p, PAGE_PLAIN, "%s: %d levels. The answer %s, at %.6g, estimated to %s.", l->part, levels,
+        l->monotone ? "still moves in one direction, without an order that three limits agree on"
+                    : "moves to and fro and has no order",
+        l->limit, text);
 }
 
 static void add_tried(const budget *b, page *p) {
@@ -116,9 +123,15 @@ void budget_tables(const budget *b, page *p) {
       add_change(b, p, b->probe[k].part, b->own, k);
   page_table_end(p);
   say_ladder(p, &b->mesh);
+  say_ladder(p, &b->graded);
   say_ladder(p, &b->steps);
-  page_say(p, PAGE_PLAIN, "Reference: %.6g, known to %s. %d runs, %.2g s of CPU.", b->reference,
-           percent(b->doubt, text), b->probes, cpu_seconds() - b->start);
+  if (isfinite(s->exact))
+    page_say(p, PAGE_PLAIN, "Reference: %.6g, the closed form [Doyen, Ern, Piperno 2011].",
+             b->reference);
+  else
+    page_say(p, PAGE_PLAIN, "Reference: %.6g, estimated to %s.", b->reference,
+             percent(b->doubt, text));
+  page_say(p, PAGE_NOTE, "%d runs, %.2g s of CPU.", b->probes, cpu_seconds() - b->start);
   add_tried(b, p);
   if (b->met && b->check < 0)
     page_say(p, PAGE_NOTE, "There was no time for a check run with half the element size.");
@@ -159,7 +172,7 @@ static int budget_data(const budget *b, const char *directory, int points[4]) {
     for (int level = ladders[j]->low; level <= ladders[j]->high; level++) {
       const int k = ladder_probe(b, ladders[j], level);
       if (k >= 0)
-        points[j] += write_point(s, b, k, fabs(b->probe[k].got.value / ladders[j]->limit - 1));
+        points[j] += write_point(s, b, k, fabs(b->probe[k].got.value / ladders[j]->truth - 1));
     }
     fputs("\n\n", s);
   }

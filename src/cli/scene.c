@@ -42,6 +42,9 @@ static void scene_usage(FILE *out) {
   fputs(
       "      --mesh=NXxNY      rectangles along x and y (16x8)\n"
       "      --mu=MU           friction (1; 0.1)\n"
+      "      --grade=G         elements smaller towards the fixed node: node k of n along a side "
+      "at\n"
+      "                        (k/n)^G of it (1)\n"
       "      --young=E         Young's modulus (0.13e12)\n"
       "      --poisson=NU      Poisson's ratio, plane strain (0.2)\n"
       "      --load=TOP,SIDE[,SIDE_TOP]\n"
@@ -561,6 +564,7 @@ int command_scene(int argc, char **argv) {
                                        ROW(A_MESH, "mesh", 0, scene_options, block.nx),
                                        ROW(A_NUMBER, "mu", 0, scene_options, block.mu),
                                        VALUE("young", KEY_YOUNG),
+                                       ROW(A_NUMBER, "grade", 0, scene_options, block.grade),
                                        ROW(A_NUMBER, "poisson", 0, scene_options, block.nu),
                                        VALUE("load", KEY_LOAD),
                                        VALUE("order", KEY_ORDER),

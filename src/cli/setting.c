@@ -12,17 +12,18 @@ static const double rounding = 1e-12; /* of the energies: less work than that is
 /* What stands for the answer of a scene. */
 static const struct {
   const char *name, *answer, *unit;
-} answers[] = {{"jean-fig3", "friction force", "N/m"},
-               {"jean-fig4", "friction force", "N/m"},
-               {"indentation", "force on the cylinder", "N/mm"},
-               {"extrusion", "force on the ram", "N/rad"},
-               {"bar-impact", "impulse of the wall", "N s"},
-               {"bar-bounce", "impulse of the wall", "N s"},
-               {"bar-fixed", "impulse of the wall", "N s"},
-               {"jean-moving", "work of friction", "J/m"},
-               {"jean-moving4", "work of friction", "J/m"},
-               {"block-drop", "impulse of the ground", "N s/m"},
-               {"two-blocks", "work of friction", "J/m"}};
+  double exact; /* 0: none; of the bars the integral of the force of src/fe/moving_exact.c */
+} answers[] = {{"jean-fig3", "friction force", "N/m", 0},
+               {"jean-fig4", "friction force", "N/m", 0},
+               {"indentation", "force on the cylinder", "N/mm", 0},
+               {"extrusion", "force on the ram", "N/rad", 0},
+               {"bar-impact", "impulse of the wall", "N s", 300 * 2. / 3},
+               {"bar-bounce", "impulse of the wall", "N s", 1600. / 3},
+               {"bar-fixed", "impulse of the wall", "N s", 4 * 0.5},
+               {"jean-moving", "work of friction", "J/m", 0},
+               {"jean-moving4", "work of friction", "J/m", 0},
+               {"block-drop", "impulse of the ground", "N s/m", 0},
+               {"two-blocks", "work of friction", "J/m", 0}};
 enum { ANSWERS = sizeof answers / sizeof answers[0] };
 
 /* Finds the sides a <= b of a lattice from its numbers of nodes and of rectangles. */
@@ -86,6 +87,7 @@ static dls_status run_equilibrium(const scene *s, const setting *at, double limi
   block.nx = at->nx;
   block.ny = at->ny;
   block.mu = at->mu;
+  block.grade = at->grade;
   dls_status status = dls_fe_scene_create_with(&fe, s->name, at->weighted, &block, error);
   if (status) return status;
   dls_fe_scene_get(fe, &d);
@@ -210,12 +212,13 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
 /* ---- all ------------------------------------------------------------------------------------- */
 
 int scene_find(const char *name, scene *s, dls_status *status, dls_error *error) {
-  *s = (scene){.name = name, .answer = "answer", .unit = "", .own = {.mu = -1}};
+  *s = (scene){.name = name, .answer = "answer", .unit = "", .exact = NAN, .own = {.mu = -1}};
   s->kind = kind_of_scene(name);
   for (int k = 0; k < ANSWERS; k++)
     if (!strcmp(name, answers[k].name)) {
       s->answer = answers[k].answer;
       s->unit = answers[k].unit;
+      if (answers[k].exact > 0) s->exact = answers[k].exact;
     }
   if (s->kind)
     *status = (s->kind == SCENE_FORMING  ? own_forming
@@ -245,9 +248,10 @@ dls_status scene_run(const scene *s, const setting *at, double limit, scene_answ
 }
 
 int setting_is(const setting *a, const setting *b) {
-  return a->tol == b->tol && a->nx == b->nx && a->ny == b->ny && a->upper == b->upper &&
-         a->steps == b->steps && a->mu == b->mu && a->weighted == b->weighted &&
-         a->penalty == b->penalty && a->clamped == b->clamped && a->mass == b->mass;
+  return a->tol == b->tol && a->nx == b->nx && a->grade == b->grade && a->ny == b->ny &&
+         a->upper == b->upper && a->steps == b->steps && a->mu == b->mu &&
+         a->weighted == b->weighted && a->penalty == b->penalty && a->clamped == b->clamped &&
+         a->mass == b->mass;
 }
 
 static int scaled(int count, double factor, int least) {
@@ -293,11 +297,13 @@ const char *setting_variant(const scene *s, int k, setting *at) {
 }
 
 const char *setting_text(const scene *s, const setting *at, int options, char text[SETTING_ROOM]) {
-  char mesh[60] = "", upper[40] = "", steps[40] = "", more[80] = "";
+  char mesh[60] = "", grade[40] = "", upper[40] = "", steps[40] = "", more[80] = "";
   if (at->nx && at->ny)
     (void)snprintf(mesh, sizeof mesh, options ? "--mesh=%dx%d " : "%d x %d, ", at->nx, at->ny);
   else if (at->nx)
     (void)snprintf(mesh, sizeof mesh, options ? "--mesh=%d " : "%d elements, ", at->nx);
+  if (at->grade > 0)
+    (void)snprintf(grade, sizeof grade, options ? "--grade=%g " : "grade %g, ", at->grade);
   if (at->upper)
     (void)snprintf(upper, sizeof upper, options ? "--upper=%d " : "upper %d, ", at->upper);
   if (at->steps)
@@ -305,7 +311,7 @@ const char *setting_text(const scene *s, const setting *at, int options, char te
   if (options && at->mass != s->own.mass)
     (void)snprintf(more, sizeof more, " --mass=%s",
                    at->mass == DLS_FE_LUMPED ? "lumped" : "consistent");
-  (void)snprintf(text, SETTING_ROOM, "%s%s%s%s%.0e%s%s%s", mesh, upper, steps,
+  (void)snprintf(text, SETTING_ROOM, "%s%s%s%s%s%.0e%s%s%s", mesh, grade, upper, steps,
                  options ? "--tol=" : "tol ", at->tol, options && at->weighted ? " --weighted" : "",
                  options && at->clamped ? " --clamped" : "", more);
   return text;

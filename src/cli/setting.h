@@ -11,6 +11,7 @@ typedef struct setting {
   double tol;
   const char *method; /* of scenes in steps; NULL: auto */
   int nx, ny, upper;  /* elements; upper: of two-blocks */
+  double grade;       /* equilibrium: of the mesh; 0: even */
   int steps;
   double mu;             /* < 0: the scene's own */
   int weighted;          /* equilibrium: weighted reactions */
@@ -25,6 +26,7 @@ typedef struct scene {
   scene_kind kind;
   const char *answer, *unit; /* "force on the cylinder", "N/mm" */
   setting own;
+  double exact; /* the answer in closed form; NaN: there is none */
   double whole; /* of a scene in steps: the whole way, or the whole time */
   int dynamic;  /* 1: steps have to follow the mesh */
   int friction; /* 1: own friction is not 0 */
