@@ -1,7 +1,7 @@
 /*
  * delassus/limit.h: how much a structure carries, with a proof on both sides.
  *
- *   K x = f0 + lambda f1 + H r,   u = H^T x + g,   friction mu0 + lambda mu1
+ *   K x = f0 + lambda f1 + H r,   u = H^T x + g,   friction mu + lambda mu1
  *
  * From lambda = settings.from, where there has to be an answer, towards settings.to: the last lambda
  * at which an answer was certified, and beyond it the first one at which a rigid motion b proves
@@ -55,7 +55,7 @@ typedef struct dls_limit {
  *
  *   f0, f1     n each; NULL for 0                                       force (impulse)
  *   g          d * nodes, as dls_reduction_load; NULL for 0             length (velocity)
- *   mu0, mu1   candidates each; mu1 NULL for 0. mu0 + lambda mu1 >= 0 for all lambda that are tried;
+ *   mu, mu1   candidates each; mu1 NULL for 0. mu + lambda mu1 >= 0 for all lambda that are tried;
  *              with mu1 a motion proves at its own lambda alone
  *   settings   NULL for the defaults
  *   r, x       m, n: the answer at `carried`; x NULL for none
@@ -69,7 +69,7 @@ typedef struct dls_limit {
  * Errors: DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_SETTINGS, DLS_E_MEMORY, and those of
  * dls_reduction_load and dls_reduction_solve. */
 DLS_API DLS_MUST_USE dls_status dls_limit_load(dls_reduction *reduction, const double *f0,
-                                               const double *f1, const double *g, const double *mu0,
+                                               const double *f1, const double *g, const double *mu,
                                                const double *mu1,
                                                const dls_limit_settings *settings, double *r,
                                                double *x, double *motion, dls_limit *limit,

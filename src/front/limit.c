@@ -1,12 +1,12 @@
 /*
  * limit.c: the largest load that is carried, between a certified answer and a proof (limit.h).
  *
- *   (LL1)  trial lambda: f = f0 + lambda f1, mu = mu0 + lambda mu1, dls_reduction_solve, warm from the
+ *   (LL1)  trial lambda: f = f0 + lambda f1, mu = mu + lambda mu1, dls_reduction_solve, warm from the
  *          answer at `carried`, cold if that ends without a verdict
  *   (LL2)  certified: carried := lambda. Nothing refused yet: 16 times as far next
  *   (LL3)  a motion b: it proves for every lambda with b.f0 + lambda b.f1 > margin, which gives
- *          `refused`; next trial just inside its zero, tol / 4 of it
- *   (LL4)  neither: half way back to `carried`
+ *          `refused`; next trial inside its zero, by 3/4 tol
+ *   (LL4)  neither: 8 times as far from `refused`, then half way between `carried` and the trial
  *
  * (LL3) is Newton's method on the concave function that the motions bound from above: few trials, as
  * each gives the facet of the admissible loads behind it. Cost: a solve a trial. Fails where trials
@@ -29,12 +29,12 @@ typedef struct limit_work {
   dls_reduction *reduction;
   dlsi_reduced of;
   size_t n, m, nc;
-  const double *f0, *f1, *g, *mu0, *mu1;
+  const double *f0, *f1, *g, *mu, *mu1;
   dls_limit_settings settings;
-  double side;                /* 1: upwards, -1: downwards */
-  double *f, *mu, *r, *x, *b; /* of a trial; b: the motion of the last proof */
-  double *r_best, *x_best;    /* at carried */
-  dls_info info;              /* of the trial */
+  double side;                      /* 1: upwards, -1: downwards */
+  double *f, *friction, *r, *x, *b; /* of a trial; b: the motion of the last proof */
+  double *r_best, *x_best;          /* at carried */
+  dls_info info;                    /* of the trial */
   dls_limit found;
 } limit_work;
 
@@ -56,10 +56,10 @@ static dls_status limit_check(const limit_work *l, const double *r, const dls_li
   if (isnan(s->to) || s->to == s->from)
     return dlsi_fail(error, DLS_E_ARGUMENT, "to", -1, s->to, "is %g, with from = %g", s->to,
                      s->from);
-  if (!l->mu0 || !r || !limit) return dlsi_is_null(error, !l->mu0 ? "mu0" : !r ? "r" : "limit");
+  if (!l->mu || !r || !limit) return dlsi_is_null(error, !l->mu ? "mu" : !r ? "r" : "limit");
   if (l->f0) status = dlsi_check_vector("f0", l->f0, l->n, error);
   if (!status && l->f1) status = dlsi_check_vector("f1", l->f1, l->n, error);
-  if (!status) status = dlsi_check_friction(l->mu0, l->nc, error);
+  if (!status) status = dlsi_check_friction(l->mu, l->nc, error);
   if (!status && l->mu1) status = dlsi_check_vector("mu1", l->mu1, l->nc, error);
   if (!status && !l->f1 && !l->mu1)
     return dlsi_fail(error, DLS_E_ARGUMENT, "f1", -1, 0, "is NULL, and so is mu1: nothing changes");
@@ -89,10 +89,10 @@ static int limit_try(limit_work *l, double lambda, int warm, dls_status *status,
   for (size_t i = 0; i < l->n; i++)
     l->f[i] = (l->f0 ? l->f0[i] : 0) + (l->f1 ? lambda * l->f1[i] : 0);
   for (size_t c = 0; c < l->nc; c++) {
-    l->mu[c] = l->mu0[c] + (l->mu1 ? lambda * l->mu1[c] : 0);
-    if (!(l->mu[c] >= 0)) {
-      *status = dlsi_fail(error, DLS_E_ARGUMENT, "mu1", (long long)c, l->mu1[c],
-                          "gives the friction %g at lambda = %g", l->mu[c], lambda);
+    l->friction[c] = l->mu[c] + (l->mu1 ? lambda * l->mu1[c] : 0);
+    if (!(l->friction[c] >= 0)) {
+      *status = dlsi_fail(error, DLS_E_ARGUMENT, "mu1", (long long)c, l->friction[c],
+                          "gives the friction %g at lambda = %g", l->friction[c], lambda);
       return 0;
     }
   }
@@ -106,7 +106,7 @@ static int limit_try(limit_work *l, double lambda, int warm, dls_status *status,
   if (warm) memcpy(l->x, l->x_best, l->n * sizeof *l->x);
   l->found.solves++;
   const dls_status verdict =
-      dls_reduction_solve(l->reduction, l->mu, &settings, l->r, NULL, l->x, &l->info, error);
+      dls_reduction_solve(l->reduction, l->friction, &settings, l->r, NULL, l->x, &l->info, error);
   if (verdict < 0 || verdict == DLS_CANCELLED) {
     *status = verdict;
     return 0;
@@ -135,13 +135,13 @@ static double limit_refuse(limit_work *l, double lambda) {
     memset(l->b, 0, l->n * sizeof *l->b);
   found->refused = beyond;
   found->proved = 1;
-  const double inside = zero - l->side * l->settings.tol / 4 * fabs(zero);
+  const double inside = zero - l->side * 0.75 * l->settings.tol * fabs(zero);
   return l->side * (inside - found->carried) > 0 ? inside : (found->carried + beyond) / 2;
 }
 
 /* Returns 1 if b lies within tol of a. */
-static int limit_meets(const limit_work *l, double a, double b) {
-  return fabs(b - a) <= l->settings.tol * fmax(fabs(a), fabs(b));
+static int limit_meets(double a, double b, double tol) {
+  return isfinite(b) && fabs(b - a) <= tol * fmax(fabs(a), fabs(b));
 }
 
 /* Returns |f0| / |f1|, the first step. */
@@ -150,35 +150,45 @@ static double limit_step(const limit_work *l) {
   return f0 > 0 && f1 > 0 && !l->mu1 ? f0 / f1 : 1;
 }
 
+/* Takes the verdict of a trial and returns the next one; *step: of the last one, from settings.from. */
+static double limit_next(limit_work *l, int verdict, double trial, double *step) {
+  dls_limit *found = &l->found;
+  if (verdict < 0) {
+    trial = limit_refuse(l, trial);
+    if (l->side * (found->refused - found->open) <= 0) found->open = NAN;
+    return trial;
+  }
+  const double back = 8 * fabs(found->refused - trial); /* (LL4); not finite: nothing refused */
+  if (verdict > 0) {
+    limit_carry(l, trial);
+    *step *= stride;
+  } else {
+    found->open = trial;
+    if (back < l->side * (found->refused - found->carried) / 2)
+      return found->refused - l->side * back;
+  }
+  const double end = isnan(found->open) ? found->refused : found->open;
+  return isfinite(end) && (found->proved || !isnan(found->open))
+             ? (found->carried + end) / 2
+             : l->settings.from + l->side * *step;
+}
+
 static dls_status limit_search(limit_work *l, dls_error *error) {
   const dls_limit_settings *s = &l->settings;
   dls_limit *found = &l->found;
   const double first = limit_step(l);
   dls_status status = DLS_OK;
   double step = first, trial = s->from + l->side * step;
-  while (!limit_meets(l, found->carried, found->proved ? found->refused : s->to)) {
-    if (isnan(found->open) ? 0 : limit_meets(l, found->carried, found->open)) return DLS_STALLED;
+  while (!(found->proved && limit_meets(found->carried, found->refused, s->tol))) {
+    if (limit_meets(found->carried, found->open, s->tol / 8)) return DLS_STALLED;
     if (found->solves >= s->most) return DLS_MAX_ITERATIONS;
-    if (!found->proved && isnan(found->open)) {
-      if (step > farthest * first) return DLS_OK;
-      if (l->side * (trial - s->to) > 0) trial = s->to;
-    }
+    if (l->side * (trial - s->to) > 0) trial = s->to;
+    if (!found->proved && isnan(found->open) && step > farthest * first) return DLS_OK;
     int verdict = limit_try(l, trial, 1, &status, error);
     if (!status && !verdict) verdict = limit_try(l, trial, 0, &status, error);
     if (status) return status;
-    if (verdict > 0) {
-      limit_carry(l, trial);
-      if (trial == s->to) return DLS_OK;
-      step *= stride;
-      const double end = isnan(found->open) ? found->refused : found->open;
-      trial = found->proved || !isnan(found->open) ? (trial + end) / 2 : s->from + l->side * step;
-    } else if (verdict < 0) {
-      trial = limit_refuse(l, trial);
-      if (l->side * (found->refused - found->open) <= 0) found->open = NAN;
-    } else {
-      found->open = trial;
-      trial = (found->carried + trial) / 2;
-    }
+    if (verdict > 0 && trial == s->to) return limit_carry(l, trial), DLS_OK;
+    trial = limit_next(l, verdict, trial, &step);
   }
   return DLS_OK;
 }
@@ -198,14 +208,14 @@ static dls_status limit_run(limit_work *l, dls_error *error) {
 }
 
 dls_status dls_limit_load(dls_reduction *reduction, const double *f0, const double *f1,
-                          const double *g, const double *mu0, const double *mu1,
+                          const double *g, const double *mu, const double *mu1,
                           const dls_limit_settings *settings, double *r, double *x, double *motion,
                           dls_limit *limit, dls_error *error) {
   DLSI_DOOR;
   if (!reduction) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
   const dlsi_reduced of = dlsi_reduction_body(reduction);
   limit_work l = {
-      .reduction = reduction, .of = of, .f0 = f0, .f1 = f1, .g = g, .mu0 = mu0, .mu1 = mu1};
+      .reduction = reduction, .of = of, .f0 = f0, .f1 = f1, .g = g, .mu = mu, .mu1 = mu1};
   l.n = (size_t)of.K.n;
   l.nc = (size_t)of.H->candidates;
   l.m = l.nc * (size_t)of.H->d;
@@ -217,7 +227,7 @@ dls_status dls_limit_load(dls_reduction *reduction, const double *f0, const doub
   double *memory = dlsi_alloc(4 * l.n + 2 * l.m + l.nc, sizeof *memory);
   if (!memory) return dlsi_at(__func__, dlsi_no_memory(error), error);
   l.f = memory, l.x = l.f + l.n, l.b = l.x + l.n, l.x_best = l.b + l.n;
-  l.r = l.x_best + l.n, l.r_best = l.r + l.m, l.mu = l.r_best + l.m;
+  l.r = l.x_best + l.n, l.r_best = l.r + l.m, l.friction = l.r_best + l.m;
   memset(memory, 0, (4 * l.n + 2 * l.m + l.nc) * sizeof *memory);
   if (l.settings.limits.warm_start) memcpy(l.r_best, r, l.m * sizeof *r);
   status = limit_run(&l, error);

@@ -64,7 +64,9 @@ static inline void dlsi_mumps_end(DMUMPS_STRUC_C *M) {
  * and tries again. */
 static inline dls_status dlsi_mumps_factor(DMUMPS_STRUC_C *M, const char *matrix,
                                            dls_error *error) {
-  enum { most_relaxation = 1000 };
+  enum {
+    most_relaxation = 50000
+  }; /* per cent: of a sparse matrix whose pivots all wait for the last front */
   const int usual = M->ICNTL(14);
   double *const schur = M->schur;
   dls_status status;

@@ -73,6 +73,8 @@ static int sparse_lu_take_over(dlsi_sparse_lu *work, const dls_sparse *A) {
 }
 
 dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_error *error) {
+  if (A->p[A->cols] == 0 && A->cols > 0) /* MUMPS refuses a matrix without entries */
+    return dlsi_fail(error, DLS_E_SINGULAR, "", -1, 0, "singular: no entries");
   if (!sparse_lu_take_over(work, A)) {
     const dls_status status = dlsi_mumps_run(&work->mumps, analyse, "", error);
     work->analysed = !status;

@@ -15,11 +15,11 @@ from .files import read_matrix
 from .geometry import Pairs, RigidBodies, pairs
 from .lcp import LcpSolution, solve_lcp
 from .motion import Motion, NotCertified
-from .reduction import Reduction, reduce
+from .reduction import Limit, Reduction, reduce
 from .solver import Solver
 
-__all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSolution", "Motion",
-           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress",
+__all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSolution", "Limit",
+           "Motion",           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress",
            "Proof", "Reduction", "RigidBodies", "SingularError", "Solution", "Solver", "Stage",
            "StateError", "UnsupportedError", "__version__", "certify", "constants", "pairs",
            "read_matrix", "reduce", "solve", "solve_lcp", "solve_many"]

@@ -105,6 +105,8 @@ _USED = {
     "dls_rigid": "mass inertia R x v w",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
                           "joints redundant",
+    "dls_limit_settings": "limits size from to tol most",
+    "dls_limit": "carried refused proved open solves unique",
     "dls_derive_data": "mu q W f g K",
     "dls_derive_answer": "r u x",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
@@ -251,6 +253,8 @@ _SIGNATURES = {
     "dls_rigid_apply": (c_int, "ipipppp"),
     "dls_motion_create": (c_int, "pppp"),
     "dls_motion_start": (c_int, "pppdp"),
+    "dls_limit_settings_init": (None, "p"),
+    "dls_limit_load": (c_int, "ppppppppppp" "p"),
     "dls_motion_step": (c_int, "pppppp"),
     "dls_motion_set_h": (c_int, "pdp"),
     "dls_motion_get_state": (c_int, "ppp"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import weakref
 from ctypes import byref, c_double, c_int, c_size_t, c_void_p
 from typing import Any, Callable, Union
@@ -79,6 +80,22 @@ class _Host:
             B[:] = answer.reshape(B.shape)
 
         self.callback = Callback(run, c_size_t, c_size_t, c_int, c_int)
+
+
+@dataclasses.dataclass
+class Limit:
+    """What a structure carries: an answer is certified at `carried` (r, x), and a motion proves that
+    there is none at `refused`. open: a trial in between without a verdict, or NaN."""
+
+    carried: float
+    refused: float
+    proved: bool
+    open: float
+    solves: int
+    words: str
+    r: Vector
+    x: Vector
+    motion: Vector | None
 
 
 class Reduction(Owner):
@@ -294,6 +311,29 @@ class Reduction(Owner):
 
         solution._of_body = derivative
         return solution
+
+    def limit(self, f1: Array | None, mu: Array | None = None, f: Array | None = None,
+              g: Array | None = None, *, mu1: Array | None = None, start: float = 0.0,
+              to: float = np.inf, tol: float | None = None, most: int | None = None) -> "Limit":
+        """Finds how much is carried: loads f + lambda f1 (n), friction mu + lambda mu1, gaps g, from
+        lambda = start, which has an answer, towards `to` (dls_limit_load)."""
+        check_tangents(self._has_tangents or None, mu)
+        f, g = self._loads(f, g)
+        f1 = None if f1 is None else vector("f1", f1, self.n)
+        mu = vector("mu", 0.0 if mu is None else mu, self.candidates)
+        mu1 = None if mu1 is None else vector("mu1", mu1, self.candidates)
+        settings, found = structs["dls_limit_settings"](), structs["dls_limit"]()
+        lib.dls_limit_settings_init(byref(settings))
+        set_fields(settings, {"from": start, "tol": tol, "most": most})
+        settings.to = float(to)
+        self._watch.set(settings.limits)
+        r, x, motion = np.zeros((self.candidates, self.d)), np.zeros(self.n), np.zeros(self.n)
+        self._loaded += 1
+        status = self._call("dls_limit_load", self._held, address(f), address(f1), address(g),
+                            address(mu), address(mu1), byref(settings), address(r), address(x),
+                            address(motion), byref(found))
+        return Limit(found.carried, found.refused, bool(found.proved), found.open, found.solves,
+                     lib.dls_status_text(status).decode(), r, x, motion if found.proved else None)
 
     def _missing(self, f: Any, g: Any, mu: Any, before: list[bool]) -> list[str]:
         """Returns what a solve was not given, and what it takes instead."""
