@@ -61,8 +61,8 @@ static void find_bodies(surface *s) {
 
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-static void add_columns(const dls_sparse *H, int per, const double *r, int d, int first,
-                        double *f) {
+static void surface_push(const dls_sparse *H, int per, const double *r, int d, int first,
+                         double *f) {
   for (int j = 0; j < H->cols; j++) {
     const double x = r[(size_t)d * (size_t)(j / per) + (size_t)(first + j % per)];
     for (int e = H->p[j]; e < H->p[j + 1]; e++)
@@ -87,8 +87,8 @@ static int surface_make(surface *s, const problem *p, const double *r) {
   double *nodal = s->force + s->n;
   if (dls_reduction_nodal(p->reduction, r, nodal, &error))
     return complain_of("reactions", &error), 0;
-  add_columns(&m->HN, 1, nodal, m->d, 0, s->force);
-  add_columns(&m->HT, m->d - 1, nodal, m->d, 1, s->force);
+  surface_push(&m->HN, 1, nodal, m->d, 0, s->force);
+  surface_push(&m->HT, m->d - 1, nodal, m->d, 1, s->force);
   find_bodies(s);
   return 1;
 }
