@@ -142,7 +142,36 @@ const char *problem_title(const problem *p);
 int problem_unknown(const problem *p, int k, int *node, int *direction);
 /* Returns the host's number of the node of a contact; 0 if it has none. */
 int problem_node(const problem *p, int c);
+
+/* The place of an unknown: the host's node, its direction 0, 1, 2, its row of the coordinates (-1
+ * without). */
+typedef struct spot {
+  int node, direction, row;
+} spot;
+
+/* Finds the place of unknown k; 0 if it has none. */
+int unknown_place(const problem *p, int k, spot *at);
+
+/* Returns 1 if unknowns are the directions of nodes, as far as can be told. */
+int places_known(const problem *p);
+
+/* Returns the coordinates, 3 a row, or NULL; *rows: how many; *contact: the contact of each row, -1
+ * for none. */
+const double *problem_coordinates(const problem *p, int *rows, const int **contact);
 void matrices_free(struct matrices *matrices);
+
+/* ---- surface.c ------------------------------------------------------------------------------- */
+
+/* Prints the sums of the reactions of the answer r, by body; 0 after a complaint. */
+int put_reactions(FILE *file, const problem *p, const double *r);
+
+/* Draws surface.* into a directory; returns 1 if there are coordinates and gnuplot. */
+int picture_surface(const char *directory, const problem *p, const dls_contact_state *state,
+                    const double *r);
+
+/* Writes sums.csv and, with coordinates and x, answer.vtu and surface.*; 0 after a complaint. */
+int write_surface(const char *directory, const problem *p, const dls_contact_state *state,
+                  const double *r, const double *u, const double *x);
 
 /* Returns what a file is that holds no problem but a matrix ("matrix", "table of numbers"); else
  * NULL. */

@@ -34,8 +34,7 @@ static double column_product(const dls_sparse *A, int a, const dls_sparse *B, in
 /* A node on a surface of the other body has 1 + sum N_i^2 <= 2 for the square of the length. */
 static const double shortest = 0.999, longest = 1.415, least_angle = 1e-6;
 
-/* Returns 0 if an unknown may be a rotation or the force of a joint. */
-static int is_nodal(const dls_model *model) {
+int model_is_nodal(const dls_model *model) {
   const int rigid = 3 * (model->d - 1), dense = model->K.a != NULL;
   int most = 0;
   if (!dense && !model->Ks.p) return 1;
@@ -56,7 +55,7 @@ static int is_nodal(const dls_model *model) {
 }
 
 void hint_operators(const dls_model *model) {
-  if (!is_nodal(model)) return;
+  if (!model_is_nodal(model)) return;
   const dls_sparse *N = &model->HN, *T = &model->HT;
   double *dense = calloc((size_t)model->n + 1, sizeof *dense);
   int stretched = -1, leaning = -1, count = 0, leans = 0;

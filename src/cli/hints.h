@@ -10,6 +10,9 @@
  * unknown with more than the 3 (d - 1) of a rigid body, and n is a multiple of that. */
 void hint_operators(const dls_model *model);
 
+/* Returns 0 if an unknown may be a rotation or the force of a joint. */
+int model_is_nodal(const dls_model *model);
+
 /* All gaps negative. g: d nodes. */
 void hint_gaps(const double *g, int d, int nodes);
 

@@ -20,8 +20,11 @@
 struct matrices {
   sparse Ks, HN, HT, P;
   double *K, *f, *g, *q, *mu;
-  int *node, *direction; /* of each unknown, from 1; or NULL */
-  int *place;            /* node of each contact, from 1; or NULL */
+  int *node, *direction;             /* of each unknown, from 1; or NULL */
+  int *place;                        /* node of each contact, from 1; or NULL */
+  double *X;                         /* coordinates, 3 a row, or NULL */
+  int rows, *row_node, *row_contact; /* of X: rows, their nodes, their contacts or -1 */
+  int most_node, *row_of;            /* the row of each node up to most_node, or -1 */
 };
 
 /* ---- options --------------------------------------------------------------------------------- */
@@ -47,9 +50,10 @@ void source_usage(FILE *out) {
       "normals\n"
       "                        point from the obstacle into the body\n"
       "      --H=H             both: columns (n, t) or (n, t, s) of each contact node\n"
-      "      --nodes=LIST      both, from rows 'node n_x n_y [n_z]'; nodes are numbered from 1, "
-      "as\n"
-      "                        in job.dof; otherwise unknown d (node - 1) + k is direction k\n"
+      "      --nodes=LIST      both, from rows 'node n_x n_y [n_z]', 'x y [z]' may stand behind;\n"
+      "                        nodes are numbered from 1, as in job.dof; otherwise unknown\n"
+      "                        d (node - 1) + k is direction k. Beside --HN or --H: coordinates,\n"
+      "                        rows 'x y [z]' of all nodes, or 'node x y [z]'\n"
       "      --f=F             n loads; with --nodes also rows 'node direction value'\n"
       "      --g=G             gaps: a number, one or d for each contact node; 0 without it\n"
       "      --mu=MU           friction: a number (inf: no slip) or one for each candidate\n"
@@ -68,7 +72,7 @@ void source_usage(FILE *out) {
 /* Checks which matrices go together. */
 static int check_matrices(const matrix_options *o) {
   const int operators = (o->stiffness != NULL) + (o->flexibility != NULL) + (o->W != NULL);
-  const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes != NULL);
+  const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes && !o->H && !o->HN);
   if (o->dim > 3)
     complain("--dim: %d is not 1, 2 or 3", o->dim);
   else if (operators != 1)
@@ -82,7 +86,7 @@ static int check_matrices(const matrix_options *o) {
   else if (!o->W && o->dim == 1)
     complain("--dim: 1 goes with --W; beside K, --HN without --HT is without friction");
   else if (!o->W && traces != 1)
-    complain("give one of --HN, --H and --nodes");
+    complain("give one of --HN, --H and --nodes with normals");
   else if (o->HT && !o->HN)
     complain("--HT: goes with --HN");
   else if (!o->mu && o->dim != 1 && (!o->HN || o->HT))
@@ -284,15 +288,55 @@ static int split_columns(const dls_sparse *H, int d, sparse *HN, sparse *HT) {
   return 1;
 }
 
+/* Takes coordinates from columns `from`, .. of the table, nodes from column `label` (-1: 1, 2, ..).
+ */
+static int take_coordinates(const table *t, int label, int from, int d, struct matrices *own) {
+  const size_t rows = (size_t)t->rows, cols = (size_t)t->cols;
+  own->rows = t->rows;
+  own->X = calloc(3 * rows, sizeof *own->X);
+  own->row_node = malloc(2 * rows * sizeof *own->row_node);
+  if (!own->X || !own->row_node) return refuse("out of memory");
+  own->row_contact = own->row_node + rows;
+  for (size_t i = 0; i < rows; i++) {
+    const double node = label < 0 ? (double)i + 1 : t->a[i * cols + (size_t)label];
+    if (!(node >= 1 && node < INT_MAX && node == (int)node))
+      return refuse("--nodes: row %zu: %g is no number of a node", i + 1, node);
+    own->row_node[i] = (int)node;
+    own->row_contact[i] = -1;
+    for (int k = 0; k < d; k++)
+      own->X[3 * i + (size_t)k] = t->a[i * cols + (size_t)(from + k)];
+  }
+  return 1;
+}
+
+/* Reads the coordinates of --nodes beside --HN or --H: rows 'x y [z]' or 'node x y [z]'. *d: 2 or
+ * 3, or 0 if H does not tell. */
+static int read_coordinates(const char *path, int *d, int n, struct matrices *own) {
+  table t;
+  int good = table_read(path, &t);
+  if (good && !*d && t.cols != 3) *d = t.cols == 2 ? 2 : 3;
+  if (good && !*d) *d = n == 2 * t.rows ? 2 : 3; /* 3 columns: x y z, or node x y */
+  if (good && t.cols != *d && t.cols != *d + 1)
+    good = refuse("--nodes: %s has %d column%s, must have %s or 'node' before them", path, t.cols,
+                  plural(t.cols), *d == 2 ? "'x y'" : "'x y z'");
+  if (good && !own->node && t.cols == *d && t.rows * *d != n)
+    good = refuse("--nodes: %s has %d row%s, K has %d unknowns: %d for each node are wanted", path,
+                  t.rows, plural(t.rows), n, *d);
+  if (good) good = take_coordinates(&t, t.cols == *d ? -1 : 0, t.cols - *d, *d, own);
+  free(t.a);
+  return good;
+}
+
 /* Makes H of a list of nodes and normals; directions in which a node is held have no entry. */
 static int operators_of_nodes(const char *path, int n, struct matrices *own, int *d, sparse *H) {
   table t;
   int good = table_read(path, &t);
-  if (good && t.cols != 3 && t.cols != 4)
-    good = refuse("--nodes: %s has %d column%s, must have 'node n_x n_y [n_z]'", path, t.cols,
-                  plural(t.cols));
+  if (good && t.cols != 3 && t.cols != 4 && t.cols != 5 && t.cols != 7)
+    good = refuse("--nodes: %s has %d column%s, must have 'node n_x n_y [n_z]', and may have 'x y "
+                  "[z]' behind",
+                  path, t.cols, plural(t.cols));
   if (good) {
-    *d = t.cols - 1;
+    *d = t.cols == 3 || t.cols == 5 ? 2 : 3;
     const size_t cols = (size_t)*d * (size_t)t.rows;
     good =
         cols <= INT_MAX / 3 ? sparse_alloc(n, (int)cols, 3 * cols, H) : refuse("--nodes: too many");
@@ -320,6 +364,7 @@ static int operators_of_nodes(const char *path, int n, struct matrices *own, int
     }
   }
   if (good) H->p[H->view.cols] = entries;
+  if (good && t.cols > 4) good = take_coordinates(&t, 0, *d + 1, *d, own);
   free(t.a);
   return good;
 }
@@ -355,6 +400,16 @@ static int has_rows(const char *option, const char *path, dls_sparse *A, int n, 
   return refuse("--%s: %s has %d row%s, must have %d", option, path, A->rows, plural(A->rows), n);
 }
 
+/* Makes an H_T without entries. */
+static int empty_tangents(int n, struct matrices *own, dls_model *model) {
+  const int cols = (model->d - 1) * model->nodes;
+  sparse_free(&own->HT);
+  if (!sparse_alloc(n, cols, 0, &own->HT)) return 0;
+  memset(own->HT.p, 0, ((size_t)cols + 1) * sizeof *own->HT.p);
+  model->HT = own->HT.view;
+  return 1;
+}
+
 /* Reads H_N and H_T in one of the three ways; sets model->d and nodes. */
 static int load_operators(const matrix_options *o, struct matrices *own, dls_model *model) {
   sparse H = {0};
@@ -374,12 +429,12 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
         good = refuse("--HT: %s has %d column%s; --HN has %d, so %d or %d are wanted", o->HT, cols,
                       plural(cols), nodes, nodes, 2 * nodes);
     } else if (good) { /* no tangents */
-      d = o->dim ? o->dim : 2;
-      good = sparse_alloc(n, (d - 1) * nodes, 0, &own->HT);
-      if (good) memset(own->HT.p, 0, ((size_t)((d - 1) * nodes) + 1) * sizeof *own->HT.p);
+      model->d = d = o->dim ? o->dim : 2;
+      model->nodes = nodes;
+      good = empty_tangents(n, own, model);
     }
   } else {
-    if (o->nodes)
+    if (!o->H)
       good = operators_of_nodes(o->nodes, n, own, &d, &H);
     else
       good = sparse_read(o->H, &H) && has_rows("H", o->H, &H.view, n, o->triplets) &&
@@ -463,6 +518,55 @@ static int load_condensed(const matrix_options *o, problem *p) {
 
 /* ---- the problem ----------------------------------------------------------------------------- */
 
+int unknown_place(const problem *p, int k, spot *at) {
+  const struct matrices *own = p->matrices;
+  const int d = p->model.d;
+  *at = own->node ? (spot){own->node[k], own->direction[k] - 1, -1} : (spot){k / d + 1, k % d, -1};
+  if (at->direction < 0 || at->direction > 2) return 0;
+  if (own->X && at->node <= own->most_node && own->row_of[at->node] >= 0)
+    at->row = own->row_of[at->node];
+  return 1;
+}
+
+int places_known(const problem *p) {
+  const struct matrices *own = p->matrices;
+  return own->node || own->X ||
+         (p->model.n % p->model.d == 0 && !p->smooth && model_is_nodal(&p->model));
+}
+
+const double *problem_coordinates(const problem *p, int *rows, const int **contact) {
+  const struct matrices *own = p->matrices;
+  if (rows) *rows = own->rows;
+  if (contact) *contact = own->row_contact;
+  return own->X;
+}
+
+/* Finds the row of each node, and where each contact is: at the node with its largest entry in H_N.
+ * Returns 0 after a complaint. */
+static int place_contacts(problem *p) {
+  struct matrices *own = p->matrices;
+  for (int i = 0; i < own->rows; i++)
+    if (own->row_node[i] > own->most_node) own->most_node = own->row_node[i];
+  own->row_of = malloc(((size_t)own->most_node + 1) * sizeof *own->row_of);
+  if (!own->row_of) return refuse("out of memory");
+  for (int i = 0; i <= own->most_node; i++)
+    own->row_of[i] = -1;
+  for (int i = 0; i < own->rows; i++)
+    own->row_of[own->row_node[i]] = i;
+  const dls_sparse *N = &p->model.HN;
+  if (!own->place) own->place = calloc((size_t)N->cols + 1, sizeof *own->place);
+  if (!own->place) return refuse("out of memory");
+  for (int c = 0; c < N->cols; c++) {
+    double most = 0;
+    spot at = {0}, best = {own->place[c], 0, -1};
+    for (int e = N->p[c]; e < N->p[c + 1]; e++)
+      if (fabs(N->x[e]) > most && unknown_place(p, N->i[e], &at)) most = fabs(N->x[e]), best = at;
+    own->place[c] = best.node;
+    if (best.row >= 0 && own->row_contact[best.row] < 0) own->row_contact[best.row] = c;
+  }
+  return 1;
+}
+
 /* Says what was not given, and what that means. */
 static void say_missing(const matrix_options *o, problem *p) {
   (void)snprintf(p->note, sizeof p->note, "%s%s%s", o->f ? "" : "no loads: --f is not given",
@@ -488,6 +592,12 @@ int matrices_load(const matrix_options *o, problem *p) {
     model->K = (dls_dense){model->n, model->n, model->n, own->K};
   }
   if (!load_operators(o, own, model)) return 0;
+  if (o->nodes && (o->HN || o->H)) {
+    int d = o->HN && !o->HT ? o->dim : model->d;
+    if (!read_coordinates(o->nodes, &d, model->n, own)) return 0;
+    if (o->HN && !o->HT && d != model->d && !(model->d = d, empty_tangents(model->n, own, model)))
+      return 0;
+  }
   if (o->weights) {
     if (!sparse_read(o->weights, &own->P)) return 0;
     model->P = own->P.view;
@@ -502,6 +612,7 @@ int matrices_load(const matrix_options *o, problem *p) {
       if (own->mu[c] != 0) return refuse("--mu: friction needs the tangents, --HT");
     model->mu = own->mu;
   }
+  if (own->X && !place_contacts(p)) return 0;
   p->smooth = o->HN && !o->HT;
   say_missing(o, p);
   hint_operators(model);
@@ -526,6 +637,9 @@ void matrices_free(struct matrices *own) {
   free(own->node);
   free(own->direction);
   free(own->place);
+  free(own->X);
+  free(own->row_of);
+  free(own->row_node);
   free(own);
 }
 

@@ -8,6 +8,7 @@
  *   5  bodies that move: energy               6  contacts
  *   7  the commands that draw each part again
  */
+#define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>
 
@@ -165,8 +166,24 @@ static int report_scene(report *a, const scene *s, const char *directory) {
 
 /* ---- a file, or matrices --------------------------------------------------------------------- */
 
+/* Adds the sums of the reactions and, with coordinates, a picture of the surface. */
+static void add_surface(report *a, const file_budget *b, const problem *p) {
+  char *text = NULL, *next;
+  size_t size;
+  FILE *file = b->best >= 0 ? open_memstream(&text, &size) : NULL;
+  if (!file) return;
+  const int good = put_reactions(file, p, b->r);
+  if (fclose(file) == 0 && good)
+    for (char *line = strtok_r(text, "\n", &next); line; line = strtok_r(NULL, "\n", &next))
+      page_say(&a->page, PAGE_NOTE, "%s.", line + strspn(line, " "));
+  free(text);
+  if (picture_surface(a->folder, p, b->state, b->r))
+    (void)page_picture(&a->page, a->folder, "surface.svg", "Reactions and states over the surface");
+}
+
 /* Adds the budget and the rest of the page. */
-static int add_contact(report *a, const dls_contact *contact, const char *directory) {
+static int add_contact(report *a, const problem *p, const char *directory) {
+  const dls_contact *contact = &p->contact;
   const report_options *o = a->options;
   file_budget *b = calloc(1, sizeof *b); /* 35 kB, and the solves take 50 kB of the stack */
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
@@ -186,6 +203,7 @@ static int add_contact(report *a, const dls_contact *contact, const char *direct
       add_parts(a, contact);
       page_say(&a->page, PAGE_SECTION, "Contacts");
       file_contacts(b, &a->page);
+      add_surface(a, b, p);
       result = end_page(a, directory, b->take >= 0, b->best >= 0);
     }
   }
@@ -210,7 +228,7 @@ static int report_contact(report *a, const char *directory) {
   if (problem_open(a->shown, &a->options->from, &p) && make_directory(a->folder) &&
       (!p.matrices || save_problem(a, &p, path))) {
     problem_fit_threads(&p);
-    result = add_contact(a, &p.contact, directory);
+    result = add_contact(a, &p, directory);
   } else if (was_interrupted()) {
     result = EXIT_NOT_SOLVED;
   }

@@ -98,6 +98,7 @@ int write_results(const char *directory, const problem *p, const outcome *o, con
     put_candidates(&s, p, state, r, u);
     good = close_file(s.file, "r.csv");
   }
+  good = good && write_surface(directory, p, state, r, u, x);
   free(state);
   if (!good || !x) return good;
   s.file = open_in(directory, "x.csv");

@@ -189,7 +189,7 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
-  if (!print_states(p, r, u)) return 0;
+  if (!print_states(p, r, u) || !put_reactions(stdout, p, r)) return 0;
   char text[FREEDOM_ROOM];
   if (*freedom_words(o->freedom, o->info.forces, text)) printf("  %s\n", text);
   verdict_print(&o->verdict, o->proof);

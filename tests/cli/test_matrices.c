@@ -395,6 +395,52 @@ START_TEST(triplets_and_labels) {
 }
 END_TEST
 
+/* Three nodes on springs, 2D, the middle one pressed: sums, moments, fields, a picture; by HN and
+ * coordinates and by a list of nodes with them. */
+START_TEST(coordinates) {
+  put("K.txt", "2 0 -1 0 0 0\n0 2 0 -1 0 0\n-1 0 2 0 -1 0\n0 -1 0 2 0 -1\n0 0 -1 0 2 0\n"
+               "0 0 0 -1 0 2\n");
+  put("N.txt", "0\n0\n0\n1\n0\n0\n");
+  put("T.txt", "0\n0\n1\n0\n0\n0\n");
+  put("f.txt", "0\n0\n0.1\n-1\n0\n0\n");
+  put("X.csv", "0,0\n3,2\n6,0\n");
+  put("nodes.csv", "2,0,1,3,2\n");
+  put("short.csv", "0,0\n3,2\n");
+  const char *const at[] = {"--HN @/N.txt --HT @/T.txt --nodes @/X.csv", "--nodes @/nodes.csv"};
+  for (int k = 0; k < 2; k++) {
+    char line[300];
+    (void)snprintf(line, sizeof line,
+                   "solve --stiffness @/K.txt %s --f @/f.txt --mu 0.5 --csv @/sums%d", at[k], k);
+    ck_assert_msg(run(line) == 0, "%s", output);
+    /* by hand: r = -f; M = 3 * 1 - 2 * (-0.1) */
+    ck_assert_ptr_nonnull(
+        strstr(output, "sum of the reactions: x -0.1 y 1; moment about the origin: z 3.2\n"));
+    (void)snprintf(line, sizeof line, "sums%d/sums.csv", k);
+    double F[2], M;
+    ck_assert_int_eq(sscanf(get(line), "body_from_0,F_x,F_y,M_z\n0,%lf,%lf,%lf", &F[0], &F[1], &M),
+                     3);
+    ck_assert(fabs(F[0] + 0.1) + fabs(F[1] - 1) + fabs(M - 3.2) <= 1e-9);
+    (void)snprintf(line, sizeof line, "sums%d/answer.vtu", k);
+    ck_assert_ptr_nonnull(strstr(get(line), k ? "NumberOfPoints=\"1\"" : "NumberOfPoints=\"3\""));
+    ck_assert_ptr_nonnull(strstr(get(line), "\n3 2 0\n"));
+    (void)snprintf(line, sizeof line, "sums%d/r.csv", k);
+    ck_assert_ptr_nonnull(strstr(get(line), "\n0,2,stick,0,"));
+    (void)snprintf(line, sizeof line, "sums%d/surface.dat", k);
+    ck_assert_ptr_nonnull(strstr(get(line), " 2\n"));
+  }
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --f @/f.txt --mu 0.5"),
+                   0);
+  ck_assert_ptr_nonnull(strstr(output, "sum of the r_n: 1\n")); /* may be rigid bodies */
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --nodes @/X.csv --f @/f.txt"), 0);
+  ck_assert_ptr_nonnull(
+      strstr(output, "sum of the reactions: x 0 y 1; moment about the origin: z 3\n"));
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --mu 0.5 --nodes "
+                       "@/short.csv"),
+                   2);
+  ck_assert_ptr_nonnull(strstr(output, "has 2 rows, K has 6 unknowns: 2 for each node are wanted"));
+}
+END_TEST
+
 START_TEST(bad_matrices_are_2) {
   static const char *const wrong[][2] = {
       {"--HN @/N.txt --f @/f.txt", "one of --stiffness"},
@@ -490,5 +536,6 @@ int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
              ONCE(one_h_one_list_and_npy), ONCE(npy_headers), ONCE(pipes), ONCE(mark_and_exponents),
              ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(triplets_and_labels),
-             ONCE(bad_matrices_are_2), ONCE(last_line), ONCE(entries_of_all_sizes));
+             ONCE(coordinates), ONCE(bad_matrices_are_2), ONCE(last_line),
+             ONCE(entries_of_all_sizes));
 }

@@ -989,6 +989,63 @@ class Words(unittest.TestCase):
         self.assertIn("10 more contacts", many)
 
 
+class Sums(unittest.TestCase):
+    """Reactions on the body: sums by body, moments, a file for ParaView."""
+
+    def two(self, **settings):
+        """Two bodies of three nodes in 2D on springs: their middle nodes are pressed."""
+        line = sp.diags([2.0, -1.0, -1.0], [0, 1, -1], (3, 3))
+        body = sp.kron(line, sp.eye(2))
+        K = sp.block_diag([body, body], format="csc")
+        N, T = sp.lil_matrix((12, 2)), sp.lil_matrix((12, 2))
+        N[3, 0] = N[9, 1] = T[2, 0] = T[8, 1] = 1
+        self.f = np.zeros(12)
+        self.f[[3, 9, 8]] = -1, -2, 0.3
+        return delassus.reduce(K.tocsc(), N.tocsc(), T.tocsc(), **settings)
+
+    def test_by_body(self):
+        s = self.two().solve(0.5, f=self.f)
+        one, other = s.sums()
+        np.testing.assert_allclose(one.force, [s.r[0, 1], s.r[0, 0]])
+        np.testing.assert_allclose(other.force, [s.r[1, 1], s.r[1, 0]])
+        np.testing.assert_array_equal(other.unknowns, range(6, 12))
+        self.assertIsNone(one.moment)
+        with self.assertRaisesRegex(ValueError, "coordinates are missing"):
+            s.write_vtu("none.vtu")
+
+    def test_moments_and_file(self):
+        X = np.array([[0, 0], [1, 0], [2, 0], [10, 1], [11, 1], [12, 1.0]])
+        s = self.two(coordinates=X).solve(0.5, f=self.f)
+        one, other = s.sums()
+        np.testing.assert_allclose(one.moment, [1 * s.r[0, 0]])
+        np.testing.assert_allclose(other.moment, [11 * s.r[1, 0] - 1 * s.r[1, 1]])
+        with tempfile.TemporaryDirectory() as directory:
+            path = os.path.join(directory, "answer.vtu")
+            s.write_vtu(path)
+            with open(path, encoding="ascii") as file:
+                self.assertIn('Name="reaction"', file.read())
+            try:
+                import meshio
+            except ImportError:
+                return
+            mesh = meshio.read(path)
+            np.testing.assert_array_equal(mesh.points[:, :2], X)
+            np.testing.assert_array_equal(mesh.point_data["displacement"][:, :2].ravel(), s.x)
+            reaction = mesh.point_data["reaction"]
+            np.testing.assert_array_equal(reaction[4, :2], [s.r[1, 1], s.r[1, 0]])
+            np.testing.assert_array_equal(mesh.point_data["state"].ravel() >= 0,
+                                          [False, True, False, False, True, False])
+
+    def test_wrong(self):
+        with self.assertRaisesRegex(ValueError, "coordinates is"):
+            self.two(coordinates=np.zeros((5, 2)))
+        K, HN, _ = POINT
+        with self.assertRaisesRegex(ValueError, "HT is not given"):
+            delassus.reduce(K, HN).solve(f=[5, -10]).sums()
+        with self.assertRaisesRegex(ValueError, "without a reduction"):
+            delassus.solve(np.eye(2), [-1, 0.5], 0.3).sums()
+
+
 class Owners(unittest.TestCase):
     """Objects of Python change only after the library has accepted."""
 

@@ -17,11 +17,12 @@ from .lcp import LcpSolution, solve_lcp
 from .motion import Motion, NotCertified
 from .reduction import Limit, Reduction, reduce
 from .solver import Solver
+from .surface import Sum
 
 __all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSolution", "Limit",
            "Motion",           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress",
            "Proof", "Reduction", "RigidBodies", "SingularError", "Solution", "Solver", "Stage",
-           "StateError", "UnsupportedError", "__version__", "certify", "constants", "pairs",
+           "StateError", "Sum", "UnsupportedError", "__version__", "certify", "constants", "pairs",
            "read_matrix", "reduce", "solve", "solve_lcp", "solve_many"]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import html
 import itertools
+import os
 import threading
 from ctypes import byref, c_int, c_size_t
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple, Union
@@ -13,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .derivative import Change, Derivative, Gradient, Moved
+from .surface import Sum, Surface
 from ._library import (Array, Callback, Matrix, Vector, address, call, columns, constants, dense,
                        entries, integers, lib, number, one_of, reals, structs, vector, whole)
 
@@ -128,6 +130,7 @@ class Solution:
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     proof        a Proof of r, computed at its first use from the arrays as they are then; None
                  if a reduction or a motion solved
+    sums(), write_vtu(path)   where a reduction solved: reactions by body, a file for ParaView
     vjp(), jvp() derivatives, of the arrays as they are at the first call
     """
 
@@ -142,6 +145,8 @@ class Solution:
         self.u = u.reshape(nc, d)
         self.x: Vector | None = None
         self.notes: List[str] = []
+        self._surface: Surface | None = None
+        self._nodal: Any = None
         self.certificate = _certificate(info.certificate)
         self.residual = self.certificate.residual
         self.error: float | None = info.error or None
@@ -196,7 +201,7 @@ class Solution:
         return self._freedom
 
     def __getstate__(self) -> Dict[str, Any]:  # derivatives own memory of the library
-        return {**self.__dict__, "_derivatives": {}, "_of_body": None}
+        return {**self.__dict__, "_derivatives": {}, "_of_body": None, "_surface": None}
 
     def _derivative(self, side: int | None) -> Derivative:
         side = -1 if side is None else whole("side", side)
@@ -230,6 +235,23 @@ class Solution:
         """Returns the change of r, u (and x) for a change of the data: q, mu and W, or f, g, mu and
         K if a reduction solved; None: no change. side and errors as in vjp."""
         return self._derivative(side).jvp(q, mu, W, f, g, K)
+
+    def sums(self) -> List[Sum]:
+        """Returns the sum of the reactions on each body, a part of K's unknowns that K connects;
+        with moments where the reduction has coordinates."""
+        return self._on_body().sums(self._nodal)
+
+    def write_vtu(self, path: str | os.PathLike[str]) -> None:
+        """Writes the nodes with displacement, reaction, state (-1: no contact, 0 free, 1 slip, 2
+        stick or touch) and gap for ParaView. Needs coordinates."""
+        assert self.x is not None
+        self._on_body().write(path, self.x, self._nodal, self.states,
+                              np.where(self.states == "free", self.u[:, 0], 0))
+
+    def _on_body(self) -> Surface:
+        if self._surface is None:
+            raise ValueError("no sums of a solution without a reduction, nor of a pickled one")
+        return self._surface
 
     def __repr__(self) -> str:
         return (f"<{self.words}: {len(self.r)} candidates, {self.method}, "

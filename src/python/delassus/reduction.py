@@ -15,6 +15,7 @@ from ._library import (Array, Callback, Error, Matrix, Owner, Vector, address, c
                        gaps, integers, lib, one_of, read, reals, set_fields, sparse, structs, vector)
 from .contact import Certificate, Progress, Solution, Watch, _certificate, solve_problem
 from .derivative import Derivative
+from .surface import Surface
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
 
@@ -110,7 +111,7 @@ class Reduction(Owner):
 
     def __init__(self, K: Any, HN: Any, HT: Any, P: Any, mu: Any, active: Any,
                  factorization: str | None, flexibility: bool, d: int | None,
-                 settings: dict[str, Any], surface: Any = None) -> None:
+                 settings: dict[str, Any], surface: Any = None, coordinates: Any = None) -> None:
         self._held = c_void_p()
         self._host = _Host()
         self._watch = Watch()
@@ -132,6 +133,8 @@ class Reduction(Owner):
         self._host.solve = solve
         self._call("dls_reduction_create", byref(self._held), byref(model), byref(create))
         self._matrix = kept[0]  # for the pattern of dL/dK; the library has copied it
+        directions = model.d if self._has_tangents or d else 0
+        self._on_body = Surface(kept[0], kept[1], kept[2], directions, coordinates)
         self._loaded = self._updated = 0  # counts loads and updates
         self._given = [False, False]  # f, g
         self._fresh = False  # no solve since the load
@@ -225,6 +228,7 @@ class Reduction(Owner):
         self._updated += 1
         self._call("dls_reduction_update", self._held, byref(model), solve=before)
         self._matrix = kept[0]
+        self._on_body = Surface(kept[0], kept[1], kept[2], self._on_body.d, self._on_body.X)
 
     def move(self, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | None = None,
              mu: Array | None = None, active: Array | None = None,
@@ -246,6 +250,7 @@ class Reduction(Owner):
         self._updated += 1
         self._call("dls_reduction_move", self._held, byref(model), address(gaps))
         self._options = (weights, friction, on, *self._options[3:])
+        self._on_body = Surface(self._matrix, N, T, self._on_body.d, self._on_body.X)
         self._count(model, weights, on)
 
     def load(self, f: Array | None = None, g: Array | None = None) -> None:
@@ -296,6 +301,9 @@ class Reduction(Owner):
             self._host.callback.end()
         solution.x = x
         solution.notes = notes
+        plain = self._options[0] is None and self._options[2] is None
+        solution._surface = self._on_body
+        solution._nodal = solution.r if plain else self.nodal(solution.r)
         loaded, updated = self._loaded, self._updated
 
         def derivative(of: Solution, side: int, made: Derivative | None) -> Derivative:
@@ -416,7 +424,7 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
            mu: Array | None = None, active: Array | None = None,
            factorization: str | None = None, flexibility: bool = False, d: int | None = None,
            memory_limit: float = 0, on: str | None = None, loads: int = 1,
-           surface: Array | None = None) -> Reduction:
+           surface: Array | None = None, coordinates: Array | None = None) -> Reduction:
     """Returns a Reduction: factorises K and forms W = H^T K^-1 H, or keeps the problem on K.
 
     K       n x n, numpy or scipy.sparse; or a function that returns K^-1 B for B (n x k), such as
@@ -431,6 +439,8 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
     on      "W": few contacts, any method, W and recover(); "K": contact over whole surfaces, bodies
             that contact alone holds, solve() by method auto; None: the lower estimated cost for
             `loads` solves, K if it is singular or W exceeds memory_limit (bytes)
+    coordinates   nodes x d: unknown d k + i is direction i of node k; for the moments of
+            Solution.sums() and for Solution.write_vtu()
     surface unknowns that HN and HT of move() may touch, besides those of this HN and HT
     """
     if on not in (None, "W", "K"):
@@ -438,4 +448,4 @@ def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | No
     place = constants["DLS_ON_EITHER" if on is None else "DLS_ON_" + on]
     return Reduction(K, HN, HT, P, mu, active, factorization, flexibility, d,
                      {"memory_limit": memory_limit, "on": place,
-                      "loads": loads}, surface)
+                      "loads": loads}, surface, coordinates)
