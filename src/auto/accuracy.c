@@ -54,7 +54,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int asked, dls_status sta
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
     status = dlsi_auto_follow(work, dlsi_auto_first_plan(work), error);
     work->options.limits.tol = tol;
-    if (status >= 0) status = work->stopped ? work->stopped : dlsi_auto_verdict_of(work);
+    if (status >= 0) status = dlsi_settled(best, tol, work->stopped ? work->stopped : DLS_STALLED);
   }
   return status;
 }

@@ -87,7 +87,7 @@ static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int c
   dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->weights, work->v[2],
                        &work->info.certificate);
   if (dlsi_auto_verdict_of(work) != DLS_STALLED) return dlsi_auto_verdict_of(work);
-  return work->stopped || work->limited || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
+  return work->stopped || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
 }
 
 /* Returns DLS_OK, an error, the reason for an end by the caller, or DLS_STALLED to go on. */

@@ -30,13 +30,11 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
                dlsi_max_abs(problem->mu, (size_t)problem->nc) > dlsi_auto_firm;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->stopped = DLS_OK;
-  work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
-  work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
-  work->has_pushed = work->has_augmented = work->stepped = 0;
-  work->sweeps = work->turn = 0;
-  work->has_foreseen = work->has_ended = work->gave_way = 0;
-  work->rests = !dlsi_auto_is_left_out(work, REST) && dlsi_auto_looks_at_rest(work);
-  work->info.at_rest = work->rests && !dlsi_auto_has_plan(work);
+  work->history = (dlsi_auto_history){.last = SWEEPS};
+  work->costly = work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
+  work->stepped = 0;
+  work->turn = 0;
+  work->info.at_rest = !dlsi_auto_has_plan(work) && dlsi_auto_looks_at_rest(work);
   work->convex_from = dlsi_auto_first_try(work);
   work->info.regime = dlsi_auto_regime(work);
   if (work->part[PUSH]) dlsi_nlgs_forget(work->part[PUSH]);
@@ -52,7 +50,6 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
 
 static dls_status follow_and_judge(dlsi_auto *work, const step *plan, dls_error *error) {
   work->has_copy = 1;
-  work->failures = dlsi_auto_most_failures;
   const dls_status status = dlsi_auto_follow(work, plan, error);
   return status == DLS_STALLED ? dlsi_auto_judge(work, error) : status;
 }
@@ -73,7 +70,7 @@ static dls_status follow_plans(dlsi_auto *work, dls_error *error) {
   dls_status status = dlsi_auto_begin_with_newton(work, error); /* (AT2) */
   if (status != DLS_STALLED) return status;
   status = dlsi_auto_follow(work, dlsi_auto_first_plan(work), error); /* (AT3) */
-  if (status != DLS_STALLED || work->rounded) return status;
+  if (status != DLS_STALLED || dlsi_auto_is_rounded(work)) return status;
   if (!dlsi_auto_may_copy(work)) { /* (AT4) */
     status = dlsi_auto_follow(work, dlsi_auto_plan_beyond, error);
     return status == DLS_STALLED ? dlsi_auto_judge(work, error) : status;

@@ -76,6 +76,14 @@ typedef struct auto_answer {
   double *r, *Wr; /* m */
 } auto_answer;
 
+/* What the steps of the solve have done so far. The conditions of later steps read it. */
+typedef struct dlsi_auto_history {
+  int taken[parts];        /* times */
+  int iterations[parts];   /* of all these */
+  dls_reason ended[parts]; /* the last time */
+  part last;               /* the last of all steps */
+} dlsi_auto_history;
+
 typedef struct dlsi_auto {
   dlsi_options options;
   int d, nc;
@@ -113,27 +121,15 @@ typedef struct dlsi_auto {
   int firm;           /* copies have frictions up to dlsi_auto_firm, and decide nothing */
   int excluded;       /* no r can be certified */
   dls_info info;      /* its certificate is that of best */
-  dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
-  int limited;        /* by max_iterations */
-  int rounded;        /* only the rounding of W r stands against the best r */
+  dls_status stopped; /* by a limit of the caller; DLS_OK: by none */
   double begun;       /* CPU seconds when the solve began; -1: nobody asks */
-  int failures;       /* of Newton's method */
-  int has_split;      /* splitting has been tried */
-  int gave_way;       /* a step has ended for the convex problem's or the next one's sake */
-  double sweeps;      /* of this solve, in the steps that have ended */
+  dlsi_auto_history history;
   double convex_from; /* sweeps from which the convex problem is worth a try; INFINITY: never */
-  double turn;       /* sweeps of momentum in this turn, then as much of the augmented Lagrangian */
-  int rests;         /* dlsi_auto_looks_at_rest, and the convex problem is not left out */
-  int has_foreseen;  /* the fill of the convex problem */
-  int has_ended;     /* the augmented Lagrangian, by itself */
-  int has_pushed;    /* momentum got nowhere */
-  int has_augmented; /* the augmented Lagrangian has been tried */
-  int known;         /* v[0] is u of the start as it follows from (SQ1) */
-  int far;           /* e of that start is above far_start */
-  int stepped;       /* began with (SQ2) */
+  double turn;  /* sweeps of momentum in this turn, then as much of the augmented Lagrangian */
+  double start; /* e of the start with v[0] as its u, (SQ1); 0: v[0] is no u */
+  int stepped;  /* began with (SQ2) */
 
   /* of the step under way */
-  int takes_turns;      /* momentum gives way to the augmented Lagrangian (FC4) */
   int in_turn;          /* the augmented Lagrangian ends when it has cost `turn` */
   int counted;          /* of a plan that the caller has named: no forecast ends the step, */
   int most;             /* ... but so many iterations do, if not 0 */
@@ -159,6 +155,27 @@ static inline dls_status dlsi_auto_verdict_of(const dlsi_auto *work) {
   return dls_certificate_verdict(&work->info.certificate, work->options.limits.tol);
 }
 
+/* Returns the sweeps of the steps that have ended. */
+static inline int dlsi_auto_sweeps(const dlsi_auto *work) {
+  return work->history.iterations[SWEEPS] + work->history.iterations[PUSH];
+}
+
+/* Returns how often Newton's method has failed, up to the number that counts. */
+static inline int dlsi_auto_failures(const dlsi_auto *work) {
+  const int taken = work->history.taken[NEWTON];
+  return work->has_copy || taken > dlsi_auto_most_failures ? dlsi_auto_most_failures : taken;
+}
+
+/* Returns 1 if momentum got nowhere. */
+static inline int dlsi_auto_has_pushed(const dlsi_auto *work) {
+  return work->history.taken[PUSH] && work->history.ended[PUSH] == DLS_REASON_NO_PROGRESS;
+}
+
+/* Returns 1 if the augmented Lagrangian has ended, and not to give way. */
+static inline int dlsi_auto_has_augmented(const dlsi_auto *work) {
+  return work->history.taken[AUGMENTED] && work->history.ended[AUGMENTED] != DLS_REASON_COSTLIER;
+}
+
 /* ---- regime.c: which steps are open to this problem, now ------------------------------------- */
 
 int dlsi_auto_is_packing(const dlsi_auto *work);
@@ -167,8 +184,8 @@ dls_regime dlsi_auto_regime(const dlsi_auto *work);
 int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only where a step asks */
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */
 int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual);
-int dlsi_auto_looks_at_rest(const dlsi_auto *work);
-double dlsi_auto_first_try(const dlsi_auto *work); /* of the convex problem: convex_from */
+int dlsi_auto_looks_at_rest(const dlsi_auto *work); /* and the convex problem is allowed */
+double dlsi_auto_first_try(const dlsi_auto *work);  /* of the convex problem: convex_from */
 int dlsi_auto_has_splitting(const dlsi_auto *work);
 int dlsi_auto_may_sweep(const dlsi_auto *work);
 int dlsi_auto_may_push(const dlsi_auto *work);
@@ -255,6 +272,9 @@ static inline int dlsi_auto_is_left_out(const dlsi_auto *work, part k) {
  * error, DLS_CANCELLED, DLS_TIME_LIMIT or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or
  * `excluded` is. */
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error);
+
+/* (ST2) Returns 1 if only the rounding of W r stands against the best r. */
+int dlsi_auto_is_rounded(const dlsi_auto *work);
 
 /* Takes one step: its line in the report, and best := r if that is better. */
 dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error);

@@ -46,10 +46,10 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
     mine.r = work->shown;
   }
   work->stopped = dlsi_tell(limits, work->begun, &mine);
-  if (work->stopped) return 1;
-  if (limits->max_iterations && work->info.iterations + p->iteration >= limits->max_iterations)
-    return work->limited = 1;
-  return 0;
+  if (!work->stopped && limits->max_iterations &&
+      work->info.iterations + p->iteration >= limits->max_iterations)
+    work->stopped = DLS_MAX_ITERATIONS;
+  return work->stopped != DLS_OK;
 }
 
 /* Ends a step: `ahead` sweeps more cost more than the next step, both in sweeps. Returns 1. */
@@ -57,7 +57,6 @@ static int end_as_costlier(dlsi_auto *work, double ahead, double next) {
   work->why = DLS_REASON_COSTLIER;
   work->foreseen[0] = ahead;
   work->foreseen[1] = next;
-  work->gave_way = 1;
   return 1;
 }
 
@@ -65,12 +64,11 @@ static int end_as_costlier(dlsi_auto *work, double ahead, double next) {
 static int is_convex_due(dlsi_auto *work, double sweeps, double ahead) {
   if (sweeps < work->convex_from || ahead <= dlsi_auto_ahead) return 0;
   if (!work->info.at_rest && ahead <= 2 * sweeps) return 0;
-  if (!work->has_foreseen) {
+  if (!work->history.taken[REST]) {
     const dls_contact *problem = work->problem;
     const int told = work->options.limits.blocks, d = problem->d;
     const double blocks = told > 1 ? told : dlsi_auto_usual_blocks * (double)problem->nc;
     const double fill = dlsi_foresee_fill(problem) / (2 * d * d * blocks);
-    work->has_foreseen = 1;
     if (fill > fmax(sweeps, work->info.at_rest ? dlsi_auto_rest_fill : 0)) work->convex_from = fill;
   }
   return sweeps >= work->convex_from;
@@ -91,19 +89,21 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   if (p->iteration % dlsi_auto_look_every) return 0;
   const double newton = dlsi_auto_cost_of_newton(work),
                ahead = (work->least - work->target) / work->rate;
-  const double other = dlsi_auto_is_packing(work) && !work->has_pushed ? dlsi_auto_ahead : newton;
-  const int convex = is_convex_due(work, work->sweeps + p->iteration, ahead);
+  const double other =
+      dlsi_auto_is_packing(work) && !dlsi_auto_has_pushed(work) ? dlsi_auto_ahead : newton;
+  const int convex = is_convex_due(work, dlsi_auto_sweeps(work) + p->iteration, ahead);
   const double next = convex ? fmin(other, dlsi_auto_ahead) : other;
   if (work->d == 3 && p->residual > dlsi_auto_unsorted &&
       dlsi_auto_cost_of_split(work) < 2 * newton)
     work->costly = 1;
   work->ahead = ahead;
-  const int sorted = work->failures || p->residual <= dlsi_auto_unsorted;
+  const int failures = dlsi_auto_failures(work);
+  const int sorted = failures || p->residual <= dlsi_auto_unsorted;
   const int twice = !work->problem->W.a || !sorted;
   const int cold =
       dlsi_auto_is_few(work) ? dlsi_auto_first_of_few : (twice + 1) * dlsi_auto_first_sweeps;
   const int first = cold / (work->near + 1);
-  if (!(p->iteration >= first << work->failures && ahead > next)) return 0;
+  if (!(p->iteration >= first << failures && ahead > next)) return 0;
   return end_as_costlier(work, ahead, next);
 }
 
@@ -116,7 +116,7 @@ int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
     work->least = now;
     work->since = p->iteration;
   }
-  return p->iteration - work->since >= work->patience << work->failures;
+  return p->iteration - work->since >= work->patience << dlsi_auto_failures(work);
 }
 
 /* Stops when the convex problem is to be tried. Sweeps that get nowhere stop by themselves. */
@@ -133,9 +133,9 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   work->since = p->iteration;
   if (p->iteration % dlsi_auto_look_every || p->iteration < 2 * dlsi_auto_first_sweeps) return 0;
   const double ahead = (now - work->target) / work->rate;
-  const double so_far = work->sweeps + p->iteration;
+  const double so_far = dlsi_auto_sweeps(work) + p->iteration;
   if (is_convex_due(work, so_far, ahead)) return end_as_costlier(work, ahead, dlsi_auto_ahead);
-  if (work->takes_turns) { /* (FC4) */
+  if (dlsi_auto_is_packing(work) && !dlsi_auto_has_augmented(work)) { /* (FC4) */
     const double turn = fmax(work->turn, dlsi_auto_cost_of_augmented(work));
     if (so_far >= turn && ahead > dlsi_auto_turn_errs * turn) {
       work->turn = turn;
@@ -191,6 +191,5 @@ void dlsi_auto_begin_watch(dlsi_auto *work) {
   work->since = 0;
   work->patience = patience_of_newton(work);
   work->why = DLS_REASON_NO_PROGRESS;
-  work->takes_turns = dlsi_auto_is_packing(work) && !work->has_ended;
   work->foreseen[0] = work->foreseen[1] = 0;
 }

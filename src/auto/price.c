@@ -69,7 +69,7 @@ double dlsi_auto_cost_of_newton(dlsi_auto *work) {
   work->unknowns = k;
   work->step = price_of_step(problem, k);
   work->costly = dense && !settled && work->step > dlsi_auto_most_of_step;
-  return (settled ? problem->d - 1 : 4) * (1 << work->failures) * work->step;
+  return (settled ? problem->d - 1 : 4) * (1 << dlsi_auto_failures(work)) * work->step;
 }
 
 double dlsi_auto_cost_of_augmented(const dlsi_auto *work) {

@@ -35,13 +35,13 @@ int dlsi_auto_is_few(const dlsi_auto *work) {
 }
 
 int dlsi_auto_may_push(const dlsi_auto *work) {
-  return !dlsi_is_elastic(work->problem) && !work->has_pushed;
+  return !dlsi_is_elastic(work->problem) && !dlsi_auto_has_pushed(work);
 }
 
 static int is_tight(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
-  if (!problem->Wb.x || work->rests) return 0;
-  return problem->Wb.p[problem->nc] / (2 * problem->d + 1) >= problem->nc;
+  return problem->Wb.x && problem->Wb.p[problem->nc] / (2 * problem->d + 1) >= problem->nc &&
+         !dlsi_auto_looks_at_rest(work);
 }
 
 /* On a packing only first of all, or once the augmented Lagrangian has failed, too. */
@@ -49,7 +49,7 @@ int dlsi_auto_may_sweep(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   if (!dlsi_auto_is_packing(work)) return 1;
   if (problem->nc > dlsi_auto_many) return 0;
-  return work->has_augmented || (work->info.stages == 0 && !is_tight(work));
+  return work->history.taken[AUGMENTED] || (work->info.stages == 0 && !is_tight(work));
 }
 
 dls_regime dlsi_auto_regime(const dlsi_auto *work) {
@@ -60,12 +60,12 @@ dls_regime dlsi_auto_regime(const dlsi_auto *work) {
 }
 
 int dlsi_auto_is_near(const dlsi_auto *work, double residual) {
-  return residual <= dlsi_auto_push_near * pow(10, -work->failures);
+  return residual <= dlsi_auto_push_near * pow(10, -dlsi_auto_failures(work));
 }
 
 int dlsi_auto_may_step(const dlsi_auto *work) {
   return !dlsi_auto_is_packing(work) || dlsi_auto_is_near(work, work->info.certificate.residual) ||
-         work->has_augmented;
+         work->history.taken[AUGMENTED];
 }
 
 int dlsi_auto_looks_at_rest(const dlsi_auto *work) {
@@ -74,6 +74,7 @@ int dlsi_auto_looks_at_rest(const dlsi_auto *work) {
   const double *q = problem->q;
   double all = 0, outside = 0;
   if (problem->W.a || d * problem->nc < dlsi_auto_rest_least) return 0;
+  if (dlsi_auto_is_left_out(work, REST)) return 0;
   const int told = work->options.limits.blocks; /* of bodies */
   const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : told > 1 ? told : INT_MAX;
   if (blocks / problem->nc <= dlsi_auto_loose_blocks) return 1;
@@ -100,14 +101,17 @@ double dlsi_auto_first_try(const dlsi_auto *work) {
 
 int dlsi_auto_may_rest(const dlsi_auto *work) {
   const dls_info *info = &work->info;
-  if (work->sweeps < work->convex_from || work->convex_from == 0 || info->stages == 0)
+  const dlsi_auto_history *h = &work->history;
+  if (dlsi_auto_sweeps(work) < work->convex_from || work->convex_from == 0 || info->stages == 0)
     return work->convex_from == 0;
-  const int yields = info->stage[info->stages - 1].reason == DLS_REASON_COSTLIER;
-  return (yields || work->has_pushed) && !dlsi_auto_is_near(work, info->certificate.residual);
+  const int yields = h->taken[h->last] && h->ended[h->last] == DLS_REASON_COSTLIER;
+  return (yields || dlsi_auto_has_pushed(work)) &&
+         !dlsi_auto_is_near(work, info->certificate.residual);
 }
 
 int dlsi_auto_may_take_turn(const dlsi_auto *work) {
-  return !work->has_ended && (work->has_pushed || (work->turn > 0 && work->sweeps >= work->turn));
+  return !dlsi_auto_has_augmented(work) &&
+         (dlsi_auto_has_pushed(work) || (work->turn > 0 && dlsi_auto_sweeps(work) >= work->turn));
 }
 
 int dlsi_auto_may_augment_early(const dlsi_auto *work) {
@@ -116,13 +120,14 @@ int dlsi_auto_may_augment_early(const dlsi_auto *work) {
 
 int dlsi_auto_has_splitting(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
-  return problem->W.a && !work->has_split && problem->d * problem->nc >= dlsi_auto_split_least;
+  return problem->W.a && !work->history.taken[SPLITTING] &&
+         problem->d * problem->nc >= dlsi_auto_split_least;
 }
 
 int dlsi_auto_may_split(const dlsi_auto *work) {
   if (!dlsi_auto_has_splitting(work)) return 0;
   const int dear = work->ahead > 0 && dlsi_auto_cost_of_split(work) > 2 * work->ahead;
-  return work->costly || work->failures > dear;
+  return work->costly || dlsi_auto_failures(work) > dear;
 }
 
 int dlsi_auto_is_large(const dlsi_auto *work) {

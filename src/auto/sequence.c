@@ -81,7 +81,7 @@ int dlsi_auto_predict(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const auto_answer *a = &work->last, *b = &work->former;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  work->known = work->far = 0;
+  work->start = 0;
   if (work->answers < 2 || work->last_nc != problem->nc ||
       memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
@@ -102,9 +102,7 @@ int dlsi_auto_predict(dlsi_auto *work) {
   } else
     for (size_t k = 0; k < m; k++)
       work->v[0][k] = a->Wr[k] + problem->q[k];
-  work->known = residual > work->options.limits.tol;
-  work->far = residual > dlsi_auto_far_start;
-  if (work->known) return 0;
+  if (residual > work->options.limits.tol) return work->start = residual, 0;
   memcpy(work->r, work->best, m * sizeof *work->r);
   offer(work, work->r);
   return dls_certificate_holds(&work->info.certificate, work->options.limits.tol);
@@ -175,20 +173,21 @@ dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error) {
   if (status) return status;
   work->stepped = 1;
   work->of_step = expect_of_step(work);
-  dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL, work->far);
+  dlsi_newton_keep(work->part[NEWTON], work->start > 0 ? work->v[0] : NULL,
+                   work->start > dlsi_auto_far_start);
   status = dlsi_auto_take_step(work, (step){NEWTON, 0, 0}, error);
-  work->failures = 0;
-  if (!work->info.stages && status >= 0) { /* without a step */
+  work->history = (dlsi_auto_history){.last = NEWTON}; /* no failure */
+  if (!work->info.stages && status >= 0) {             /* without a step */
     work->stepped = 0;
     return DLS_STALLED;
   }
   if (status < 0) return status;
   if (dlsi_auto_verdict_of(work) != DLS_STALLED) return dlsi_auto_verdict_of(work);
   work->failed_to_step = 1;
-  if (work->known) offer(work, work->last.r); /* what the step has begun with has no certificate */
+  if (work->start > 0)
+    offer(work, work->last.r); /* what the step has begun with has no certificate */
   if (work->stopped) return work->stopped;
-  if (status == DLS_TIME_LIMIT) return status;
-  return work->limited ? DLS_MAX_ITERATIONS : DLS_STALLED;
+  return status == DLS_TIME_LIMIT ? status : DLS_STALLED;
 }
 
 /* Remembers for (SQ2) what the solve took. */

@@ -65,24 +65,9 @@ static dls_status run_part(dlsi_auto *work, part k, dls_info *info, dls_error *e
   if (k == PUSH && of_bodies.bodies.H) of_bodies.Wb = (dls_blocks){0};
   if (k == AUGMENTED)
     dlsi_augmented_allow(home, work->in_turn ? dlsi_auto_factors_of_turn(work) : 0);
-  if (k == REST) dlsi_rest_allow(home, work->convex_from > 0 ? work->sweeps : 0);
+  if (k == REST) dlsi_rest_allow(home, work->convex_from > 0 ? dlsi_auto_sweeps(work) : 0);
   kind->method->set_limits(home, &limits);
   return kind->method->solve(home, &of_bodies, work->r, NULL, info, error);
-}
-
-static void remember_tries(dlsi_auto *work, part k, dls_status status) {
-  if (k == SPLITTING) work->has_split = 1;
-  if (k == REST) {
-    const double refused = status == DLS_STALLED ? dlsi_rest_refused(work->part[REST]) : 0;
-    work->convex_from = refused > 0 ? refused : INFINITY;
-  }
-  if (k == PUSH && status == DLS_STALLED) work->has_pushed = 1;
-  if (k != AUGMENTED) return;
-  work->has_augmented = 1;
-  if (work->why == DLS_REASON_COSTLIER)
-    work->turn *= 2;
-  else
-    work->has_ended = 1;
 }
 
 /* Returns why a step has ended, with this status and this certificate of its r. */
@@ -90,9 +75,9 @@ static dls_reason reason_of(const dlsi_auto *work, part k, dls_status status,
                             const dls_certificate *of_r) {
   if (dls_certificate_verdict(of_r, work->options.limits.tol) != DLS_STALLED)
     return DLS_REASON_SOLVED;
+  if (work->stopped == DLS_MAX_ITERATIONS) return DLS_REASON_ITERATIONS;
   if (work->stopped)
     return work->stopped == DLS_TIME_LIMIT ? DLS_REASON_TIME : DLS_REASON_CANCELLED;
-  if (work->limited) return DLS_REASON_ITERATIONS;
   if (status == DLS_NO_SOLUTION) return DLS_REASON_NO_SOLUTION;
   if (k == PIVOTING && dlsi_contact_lemke_excludes(work->part[k])) return DLS_REASON_EXCLUDED;
   switch (status) {
@@ -110,6 +95,20 @@ static dls_reason reason_of(const dlsi_auto *work, part k, dls_status status,
   }
 }
 
+/* Remembers a step that has ended with `status`, and when the step may come again. */
+static void remember(dlsi_auto *work, part k, dls_status status, const dls_info *info) {
+  dlsi_auto_history *h = &work->history;
+  h->taken[k]++;
+  h->iterations[k] += info->iterations;
+  h->ended[k] = reason_of(work, k, status, &info->certificate);
+  h->last = k;
+  if (k == REST) {
+    const double refused = status == DLS_STALLED ? dlsi_rest_refused(work->part[REST]) : 0;
+    work->convex_from = refused > 0 ? refused : INFINITY;
+  }
+  if (k == AUGMENTED && h->ended[k] == DLS_REASON_COSTLIER) work->turn *= 2;
+}
+
 /* Adds a line to the report. */
 static dls_stage *add_line(dlsi_auto *work, part k, dls_reason reason) {
   dls_info *all = &work->info;
@@ -123,11 +122,11 @@ static dls_stage *add_line(dlsi_auto *work, part k, dls_reason reason) {
   return line;
 }
 
-/* Adds the line of a step that ended with `status` to the report, and keeps its r if that is the
- * best. begun: CPU seconds of the solve before it. */
-static void report(dlsi_auto *work, part k, dls_status status, const dls_info *info, double begun) {
+/* Adds the line of a step that has ended to the report, and keeps its r if that is the best.
+ * begun: CPU seconds of the solve before it. */
+static void report(dlsi_auto *work, part k, const dls_info *info, double begun) {
   dls_info *all = &work->info;
-  dls_stage *line = add_line(work, k, reason_of(work, k, status, &info->certificate));
+  dls_stage *line = add_line(work, k, work->history.ended[k]);
   line->iterations = info->iterations;
   line->factorisations = info->factorisations;
   line->residual = info->certificate.residual;
@@ -139,8 +138,6 @@ static void report(dlsi_auto *work, part k, dls_status status, const dls_info *i
   line->cpu_seconds = dlsi_clock_since(work->begun) - begun;
   all->iterations += info->iterations;
   all->factorisations += info->factorisations;
-  if (k == SWEEPS || k == PUSH) work->sweeps += info->iterations;
-  if (k == NEWTON && work->failures < dlsi_auto_most_failures) work->failures++;
   if (!dlsi_is_better(&info->certificate, &all->certificate)) return;
   all->certificate = info->certificate;
   memcpy(work->best, work->r,
@@ -164,7 +161,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   dls_info info = {.status = DLS_OK};
   if (!status) status = dlsi_auto_create_part(work, dlsi_auto_home_of(k), &why);
-  work->in_turn = s.flags & IN_TURN && !work->has_pushed;
+  work->in_turn = s.flags & IN_TURN && !dlsi_auto_has_pushed(work);
   if (s.flags & COLD && k == PUSH && !status) dlsi_nlgs_forget(work->part[PUSH]);
   if (!work->in_turn && k == AUGMENTED && !status) dlsi_augmented_forget(work->part[AUGMENTED]);
   if (s.flags & COLD)
@@ -173,7 +170,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
     memcpy(work->r, work->best, m * sizeof *work->r);
   dlsi_auto_begin_watch(work);
   if (!status) status = run_part(work, k, &info, &why);
-  remember_tries(work, k, status);
+  remember(work, k, status, &info);
   if ((k == SPLITTING || k == COLD_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return pass_over(work, k); /* a build without MUMPS */
   if (status < 0) {
@@ -182,7 +179,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
   }
   if (work->stepped && !work->info.stages && status == DLS_STALLED && !info.iterations)
     return status; /* (SQ2) without a step */
-  report(work, k, status, &info, begun);
+  report(work, k, &info, begun);
   return status;
 }
 
@@ -212,6 +209,11 @@ static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) 
   return status < 0 ? status : work->stopped ? work->stopped : dlsi_auto_verdict_of(work);
 }
 
+int dlsi_auto_is_rounded(const dlsi_auto *work) {
+  return work->history.taken[REST] && work->history.last == REST &&
+         dlsi_certificate_meets(&work->info.certificate, work->options.limits.tol);
+}
+
 /* Returns 1 if nothing is left to try after the step s, which ended with *status: that of the plan
  * then. */
 static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
@@ -220,11 +222,8 @@ static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
                        dlsi_contact_lemke_excludes(work->part[PIVOTING]);
   const int proved = *status == DLS_NO_SOLUTION;
   if (work->stopped) return *status = work->stopped, 1;
-  work->rounded = s->part == REST && dlsi_certificate_meets(&work->info.certificate,
-                                                            work->options.limits.tol); /* (ST2) */
-  if (work->rounded) return *status = DLS_STALLED, 1;
+  if (dlsi_auto_is_rounded(work)) return *status = DLS_STALLED, 1;
   if (*status == DLS_TIME_LIMIT) return 1;
-  if (work->limited) return *status = DLS_MAX_ITERATIONS, 1;
   if (!proved && !excluded) return 0;
   if (work->firm) return 0; /* of the copy alone */
   work->excluded = !early && excluded && !proved;
@@ -250,10 +249,11 @@ static dls_status take_given(dlsi_auto *work, const step *s, part k, dls_error *
 
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error) {
   const int given = dlsi_auto_has_plan(work);
+  int gave_way = 0; /* a step since the last AGAIN, to the next one */
   for (const step *s = plan; s->part != END; s++) {
     if (s->part == AGAIN) {
-      s -= work->gave_way ? s->most + 1 : 0;
-      work->gave_way = 0;
+      s -= gave_way ? s->most + 1 : 0;
+      gave_way = 0;
       continue;
     }
     const part k = given ? part_of_given(work, s) : is_open(work, s) ? s->part : END;
@@ -262,6 +262,8 @@ dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error)
                         : s->flags & EARLY ? dlsi_auto_on_copy(work, take_first, s, error)
                                            : dlsi_auto_take_step(work, *s, error);
     if (status < 0) return status;
+    const dlsi_auto_history *h = &work->history;
+    gave_way |= h->ended[h->last] == DLS_REASON_COSTLIER;
     const dls_status verdict = dlsi_auto_verdict_of(work);
     if (verdict == DLS_OK) return DLS_OK; /* (ST1) */
     if (verdict == DLS_TO_ROUNDING && !work->stopped) return take_less_stress(work, s->part, error);
