@@ -458,6 +458,27 @@ public:
     if (x) *x = a.x;
     return a;
   }
+  /* how much is carried: loads f + lambda f1, gaps g: dls_limit_load. r, x, motion, if given, receive
+   * the answer at `carried` and the motion at `refused` */
+  dls_limit limit(const std::vector<double> &f1, const std::vector<double> &mu,
+                  const std::vector<double> &f = {}, const std::vector<double> &g = {},
+                  const dls_limit_settings *s = nullptr, std::vector<double> *r = nullptr,
+                  std::vector<double> *x = nullptr, std::vector<double> *motion = nullptr) {
+    const double *F1 = detail::pointer(f1, unknowns(), "limit", "f1", false);
+    const double *MU = detail::pointer(mu, candidates, "limit", "mu", false);
+    const double *F = detail::pointer(f, unknowns(), "limit", "f", true);
+    const double *G = detail::pointer(g, gaps, "limit", "g", true);
+    std::vector<double> R(m), X(unknowns()), B(unknowns());
+    dls_limit found = {};
+    call([&](dls_error *e) {
+      return dls_limit_load(work.get(), F, F1, G, MU, nullptr, s, R.data(), X.data(), B.data(),
+                            &found, e);
+    });
+    if (r) *r = std::move(R);
+    if (x) *x = std::move(X);
+    if (motion) *motion = std::move(B);
+    return found;
+  }
   /* the certificate of (x, r) on the body; u, if not NULL, receives H^T x + g */
   dls_certificate certify(const std::vector<double> &mu, const std::vector<double> &r,
                           const std::vector<double> &x, std::vector<double> *u = nullptr) {

@@ -240,6 +240,23 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    subroutine dls_limit_settings_init(settings) bind(c)
+      import :: dls_limit_settings
+      type(dls_limit_settings), intent(inout) :: settings
+    end subroutine
+    function dls_limit_load(reduction, f0, f1, g, mu, mu1, settings, r, x, motion, limit, error) &
+        bind(c) result(status)
+      import :: c_int, c_ptr, c_double, dls_limit_settings, dls_limit, dls_error
+      type(c_ptr), value :: reduction
+      real(c_double), intent(in), optional :: f0(*), f1(*), g(*), mu1(*)
+      real(c_double), intent(in) :: mu(*)
+      type(dls_limit_settings), intent(in), optional :: settings
+      real(c_double), intent(inout) :: r(*)
+      real(c_double), intent(inout), optional :: x(*), motion(*)
+      type(dls_limit), intent(inout) :: limit
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
     function dls_reduction_states(reduction, mu, r, u, state, error) bind(c) result(status)
       import :: c_int, c_ptr, c_double, dls_error
       type(c_ptr), value :: reduction
@@ -421,6 +438,7 @@ module delassus
   public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
   public :: dls_reduction_recover, dls_reduction_nodal, dls_reduction_states, dls_reduction_motion
   public :: dls_reduction_certify, dls_reduction_solve, dls_certificate_verdict
+  public :: dls_limit_settings_init, dls_limit_load
   public :: dls_reduction_destroy, dls_weighting_line, dls_weighting_quadratic, &
       dls_weighting_face
   public :: dls_reduction_move, dls_pairs_find, dls_pairs_free, dls_rigid_contact, dls_rigid_apply

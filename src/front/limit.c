@@ -92,7 +92,7 @@ static int limit_try(limit_work *l, double lambda, int warm, dls_status *status,
     l->friction[c] = l->mu[c] + (l->mu1 ? lambda * l->mu1[c] : 0);
     if (!(l->friction[c] >= 0)) {
       *status = dlsi_fail(error, DLS_E_ARGUMENT, "mu1", (long long)c, l->friction[c],
-                          "gives the friction %g at lambda = %g", l->friction[c], lambda);
+                          "is negative as friction, %g, at lambda = %g", l->friction[c], lambda);
       return 0;
     }
   }
@@ -150,7 +150,7 @@ static double limit_step(const limit_work *l) {
   return f0 > 0 && f1 > 0 && !l->mu1 ? f0 / f1 : 1;
 }
 
-/* Takes the verdict of a trial and returns the next one; *step: of the last one, from settings.from. */
+/* Takes the verdict of a trial and returns the next one; *step: of the last one, from `from`. */
 static double limit_next(limit_work *l, int verdict, double trial, double *step) {
   dls_limit *found = &l->found;
   if (verdict < 0) {

@@ -1,8 +1,7 @@
 /*
  * test_limit.c: dls_limit_load beside limits by hand, and beside planted ones: random bodies, a
- * motion b and reactions r on the cones of the contacts that b slides on, which are an answer at the
- * planted lambda, where b begins to prove that there is none beyond.
- * test_limit COUNT plants COUNT of them.
+ * motion b and reactions r on the cones of the contacts that b slides on. r is an answer at the
+ * planted lambda, and beyond it b proves that there is none. test_limit COUNT plants COUNT of them.
  */
 #include <check.h>
 #include <math.h>
@@ -29,7 +28,7 @@ typedef struct body {
   double r[3 * contacts], x[most], motion[most];
 } body;
 
-static void fill(int cols, int n, const double *a, int lower, int *p, int *i, double *x) {
+static void columns_of(int cols, int n, const double *a, int lower, int *p, int *i, double *x) {
   int e = p[0] = 0;
   for (int j = 0; j < cols; j++) {
     for (int k = lower ? j : 0; k < n; k++)
@@ -39,9 +38,9 @@ static void fill(int cols, int n, const double *a, int lower, int *p, int *i, do
 }
 
 static dls_reduction *reduction_of(body *b) {
-  fill(b->nc, b->n, b->N[0], 0, b->pN, b->iN, b->xN);
-  fill((b->d - 1) * b->nc, b->n, b->T[0], 0, b->pT, b->iT, b->xT);
-  fill(b->n, b->n, b->K[0], 1, b->pK, b->iK, b->xK);
+  columns_of(b->nc, b->n, b->N[0], 0, b->pN, b->iN, b->xN);
+  columns_of((b->d - 1) * b->nc, b->n, b->T[0], 0, b->pT, b->iT, b->xT);
+  columns_of(b->n, b->n, b->K[0], 1, b->pK, b->iK, b->xK);
   const dls_model model = {.d = b->d,
                            .n = b->n,
                            .nodes = b->nc,
@@ -108,8 +107,8 @@ static void touch(body *b, int c, int a, double x, double y, double nx, double n
   T[0] += sign * ny, T[1] -= sign * nx, T[2] -= sign * (x * nx + y * ny);
 }
 
-/* A box of width 1 and height h, weight 1, on the floor, pushed at its top: it slides at mu, or tips
- * over its edge at 1 / (2 h). */
+/* A box of width 1 and height h, weight 1, on the floor, pushed at its top: it slides at mu, or
+ * tips over its edge at 1 / (2 h). */
 START_TEST(box_slides_or_tips) {
   for (int tips = 0; tips < 2; tips++) {
     const double h = tips ? 2 : 0.5;
@@ -145,8 +144,8 @@ START_TEST(lap_joint) {
 }
 END_TEST
 
-/* Two masses joined by a spring, of weight 2 and 3, mu = .3, .2; the first one is pushed towards the
- * second. Both slide at .3 * 2 + .2 * 3; the spring is shorter by the friction of the second one. */
+/* Two masses joined by a spring, of weight 2 and 3, mu = .3, .2; the first one is pushed towards
+ * the second. Both slide at .3 * 2 + .2 * 3; the friction of the second shortens the spring. */
 START_TEST(elastic_pair) {
   body b = {.d = 2, .n = 4, .nc = 2, .mu = {0.3, 0.2}, .f0 = {0, -2, 0, -3}, .f1 = {1}};
   const double k = 100;
@@ -204,7 +203,7 @@ END_TEST
 static int limits = 300;
 static int planted_solves[101], unsettled;
 
-static void plant(unsigned seed, body *b) {
+static void plant_limit(unsigned seed, body *b) {
   *b = (body){
       .d = 2 + (int)(seed % 2), .n = 3 + (int)(seed / 2 % 10), .nc = 3 + (int)(seed / 20 % 9)};
   double v[most], square = 0, load[most] = {0};
@@ -246,7 +245,7 @@ static void plant(unsigned seed, body *b) {
 
 static void expect_planted(unsigned seed) {
   static body b;
-  plant(seed, &b);
+  plant_limit(seed, &b);
   const dls_limit limit = limit_of(&b, NULL); /* checks the proof */
   planted_solves[limit.solves]++;
   ck_assert_msg(limit.refused >= 1 - 1e-8, "%u: refused at %.12g", seed, limit.refused);

@@ -214,6 +214,11 @@ static void flies() {
     const std::vector<double> b = R.motion();
     EXPECT(b.size() == 2 && b[0] == b[1] && b[1] > 0);
     EXPECT(refusal([&] { (void)R.recover({0, 0}); }) == "DLS_E_UNSUPPORTED reduction");
+    std::vector<double> mover;
+    const dls_limit limit = R.limit({0, 1}, {0}, {0, -10}, {}, nullptr, nullptr, &x, &mover);
+    EXPECT(limit.proved && limit.carried <= 10 && limit.refused >= 10 - 1e-9);
+    EXPECT(limit.refused - limit.carried <= 1e-5 && mover[0] == mover[1] && mover[1] > 0);
+    EXPECT(refusal([&] { (void)R.limit({0}, {0}); }) == "DLS_E_SIZE f1");
   }
 }
 

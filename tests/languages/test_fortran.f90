@@ -147,6 +147,8 @@ contains
     type(dls_model) :: model
     type(dls_contact) :: problem
     type(dls_reduction_info) :: info
+    type(dls_limit_settings) :: settings
+    type(dls_limit) :: limit
     type(c_ptr) :: reduction
     integer(c_int) :: status
     mu = 0.2d0
@@ -176,6 +178,10 @@ contains
     call expect(dls_reduction_states(reduction, mu, r, [0d0, 0.9375d0], state) == DLS_OK .and. &
         state(1) == DLS_SLIP, 'states')
     call expect(.not. c_associated(dls_reduction_motion(reduction)), 'no motion')
+    call dls_limit_settings_init(settings)
+    settings%to = 3
+    status = dls_limit_load(reduction, [5d0, -10d0], [0d0, -1d0], mu=mu, settings=settings, r=r, limit=limit)
+    call expect(status == DLS_OK .and. limit%proved == 0 .and. limit%carried == 3, 'a held body carries')
     status = dls_reduction_get_info(reduction, info)
     call expect(status == DLS_OK .and. info%W_bytes == 32, 'info')
     call dls_reduction_destroy(reduction)

@@ -1436,6 +1436,15 @@ class Gallery(unittest.TestCase):
         self.assertIn("q[1]: is not finite", printed.getvalue())
         np.testing.assert_allclose(names["s"].r, [[10.9375, -2.1875]])
 
+    def test_a_larger_wall(self):
+        """102 blocks, at whose limit most pivots of a sparse matrix wait for its last front."""
+        with open("examples/python/limit.py") as file:
+            program = file.read().replace("= 6, 4, 1.0, 0.5, 0.65", "= 12, 8, 1.0, 0.5, 0.3")
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            exec(compile(program, "limit.py", "exec"), {"__name__": "wall"})
+        self.assertIn("102 blocks, 548 contacts", printed.getvalue())
+        self.assertIn("True", printed.getvalue())
+
     def test_pictures(self):
         try:
             import matplotlib  # noqa: F401
@@ -1443,7 +1452,7 @@ class Gallery(unittest.TestCase):
             skip("pictures of examples/python, no matplotlib")
             return
         names = sorted(name for name in os.listdir("examples/python") if name.endswith(".py"))
-        self.assertEqual(len(names), 6)
+        self.assertEqual(len(names), 7)
         with tempfile.TemporaryDirectory() as directory:
             for name in names:
                 picture = os.path.join(directory, name + ".png")

@@ -58,6 +58,9 @@ START_TEST(other_columns) {
   ck_assert_int_eq(dlsi_sparse_lu_factor(lu, &(dls_sparse){2, 2, q, i, x}, &error), DLS_E_SINGULAR);
   ck_assert_str_eq(error.argument, "");
   ck_assert(error.index == -1 && error.value == 0);
+  static const int nothing[] = {0, 0, 0};
+  ck_assert_int_eq(dlsi_sparse_lu_factor(lu, &(dls_sparse){2, 2, nothing, i, x}, &error),
+                   DLS_E_SINGULAR);
   lu_expect(&(dls_sparse){2, 2, p, i, x}, again, (double[]){3, 2});
 }
 END_TEST
