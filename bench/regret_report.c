@@ -113,7 +113,7 @@ static void print_unsolved(FILE *page, int count, const result *results) {
     if (isfinite(results[k].automatic) || isfinite(results[k].best)) continue;
     bench_print(page, "%s ", "\n-");
     print_command(page, &results[k]);
-    bench_print(page, ", auto's status %d", (int)results[k].status);
+    bench_print(page, ", auto: %s", dls_status_text(results[k].status));
   }
   bench_print(page, "\n");
 }

@@ -373,9 +373,11 @@ static void print_json_stages(FILE *out, const dls_info *info) {
 }
 
 void print_residuals(const char *indent, const dls_certificate *c) {
-  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)", indent, c->residual_u,
-         c->floor_u, c->residual_r, c->floor_r);
-  if (c->floor_e > 0) printf(", equilibrium %.2e (floor %.1e)", c->equilibrium, c->floor_e);
+  printf(
+      "%sposition residual %.2e (rounding level %.1e), force residual %.2e (rounding level %.1e)",
+      indent, c->residual_u, c->floor_u, c->residual_r, c->floor_r);
+  if (c->floor_e > 0)
+    printf(", equilibrium %.2e (rounding level %.1e)", c->equilibrium, c->floor_e);
   putchar('\n');
 }
 

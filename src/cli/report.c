@@ -127,7 +127,7 @@ static void add_scene(report *a, const budget *b, const problem *p) {
   page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
   if (budget_picture(b, a->folder))
     (void)page_picture(&a->page, a->folder, "budget.svg",
-                       "What each part costs and brings: the error that it leaves against CPU");
+                       "Error left by each part of the setting, against CPU");
   if (*p->note) page_say(&a->page, PAGE_NOTE, "The methods: %s.", p->note);
   add_parts(a, &p->contact);
   part_run(&a->parts, &b->probe[b->take].got);

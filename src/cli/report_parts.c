@@ -151,13 +151,14 @@ static void tell_friction(const parts *a, const dls_contact *contact) {
     page_say(a->page, PAGE_PLAIN, "Below friction %.3g each load has one answer (proved).",
              facts.friction_unique);
   if (isfinite(facts.friction_critical))
-    page_say(a->page, PAGE_PLAIN, "Above friction %.3g contact %d alone can jam.",
-             facts.friction_critical, facts.critical + 1);
+    page_say(a->page, PAGE_PLAIN, "Above friction %.3g contact %d (from 0) alone can jam.",
+             facts.friction_critical, facts.critical);
   if (contact->nc <= most_contacts_of_fold &&
       !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL)) {
     if (isfinite(fold.friction))
-      page_say(a->page, PAGE_PLAIN, "Fold%s: above friction %.3g some loads have several answers.",
-               fold.exact ? "" : " (found by search, or lower)", fold.friction);
+      page_say(a->page, PAGE_PLAIN,
+               "Above friction %.3g%s some loads have several solutions (fold).", fold.friction,
+               fold.exact ? "" : ", perhaps less,");
     else if (fold.exact)
       page_say(a->page, PAGE_PLAIN, "There is no fold: no friction gives several answers.");
   }

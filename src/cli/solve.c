@@ -166,7 +166,7 @@ static void print_others(const char *indent, const dls_info *info) {
   if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
   if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
   if (info->ambiguous)
-    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
+    printf("%s%d contact%s with several answers if all others are held\n", indent, info->ambiguous,
            plural(info->ambiguous));
 }
 

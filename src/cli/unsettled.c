@@ -1,5 +1,6 @@
 /*
- * unsettled.c: says where an answer that is none is wrong, and whether sweeps lead away from it.
+ * unsettled.c: names the contacts whose error keeps an answer from being solved, and tests
+ * if sweeps diverge from it.
  *
  * On some packings at rest the solution is a fixed point that sweeps leave: the error grows at few
  * candidates until they change states, falls again, and so on without end. The user learns which.
