@@ -2,7 +2,7 @@
  * report.c: delassus report NAME...: one page each that answers how accurate, how fast and how
  * stable, and what is enough.
  *
- *   1  the verdict: what to take
+ *   1  the first screen: what to take, accuracy, speed, stability, uniqueness, the command
  *   2  the error budget, and the cheapest setting that is accurate enough (report_budget.c)
  *   3  speed against accuracy: chart          4  stability: map
  *   5  bodies that move: energy               6  contacts
@@ -23,6 +23,7 @@ static const double own_accuracy = 1e-2, own_cpu = 60, quick_cpu = 20;
 
 typedef struct report_options {
   double accuracy, cpu; /* cpu: seconds for a page; 0: own_cpu, quick_cpu */
+  const char *of;       /* NULL: force,curve */
   int text, quick;
   const char *out;
   source from;
@@ -36,6 +37,9 @@ static void report_usage(FILE *out) {
         "contacts, and the commands that draw each part again. The page needs no network.\n"
         "\n"
         "      --accuracy=E      wanted relative accuracy of the scene's answer (0.01)\n"
+        "      --of=LIST         what is to be accurate: force (at the end; or the impulse, the "
+        "work),\n"
+        "                        curve (over the steps); force,curve\n"
         "      --cpu=S           approximate CPU seconds for a page (60; --quick 20)\n"
         "      --quick           the verdict, the error budget and the contacts only\n"
         "      --text            print the page as text, too\n"
@@ -86,22 +90,23 @@ static void make_slug(const char *name, int number, char slug[SLUG]) {
 /* Begins the page with its verdict; returns 0 after a complaint. */
 static int begin_page(report *a, const char *directory) {
   const report_options *o = a->options;
-  char title[200], options[80];
-  (void)snprintf(options, sizeof options, "--accuracy=%g --cpu=%g%s", o->accuracy, o->cpu,
-                 o->quick ? " --quick" : "");
-  part_note(&a->parts, options);
+  char title[200], options[120];
+  (void)snprintf(options, sizeof options, "--accuracy=%g --cpu=%g%s%s%s", o->accuracy, o->cpu,
+                 o->quick ? " --quick" : "", o->of ? " --of=" : "", o->of ? o->of : "");
+  part_note(&a->parts, "report", options);
   (void)snprintf(title, sizeof title, "%.150s", a->shown);
   if (!page_open(&a->page, directory, a->file, title, o->text && !is_json())) return 0;
+  if (a->parts.scene) page_say(&a->page, PAGE_PLAIN, "%s.", a->parts.scene->says);
   page_say(&a->page, PAGE_LEAD, "%s.", a->verdict);
   return 1;
 }
 
-/* Adds the sections of other commands; contact: of a scene in steps, one step. */
-static void add_parts(report *a, const dls_contact *contact) {
+/* Adds the sections of other commands. */
+static void add_parts(report *a) {
   if (a->options->quick) return;
   part_speed(&a->parts, a->options->from.step);
   page_say(&a->page, PAGE_SECTION, "Stability");
-  part_stability(&a->parts, contact);
+  part_stability(&a->parts);
 }
 
 /* Adds the end; returns the exit status. met: within the accuracy; solved: there is an answer. */
@@ -121,7 +126,37 @@ static int end_page(report *a, const char *directory, int met, int solved) {
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
+/* The rest of the first screen. p: the contact problem, of one step where there are several. */
+static void first_screen(report *a, const budget *b, const problem *p) {
+  const probe *take = &b->probe[b->take];
+  char options[SETTING_ROOM];
+  budget_accuracy(b, &a->page);
+  if (take->got.reduction > 0)
+    page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, %.2g s of these to reduce K to W.",
+             take->got.seconds, take->got.reduction);
+  else
+    page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, all steps.", take->got.seconds);
+  if (take->got.status)
+    page_say(&a->page, PAGE_PLAIN, "Stability: it stops after %.0f %% of the steps.",
+             100 * take->got.part);
+  else if (b->scene->kind == SCENE_MOVING)
+    page_say(&a->page, PAGE_PLAIN,
+             "Stability: it finishes; the energy balance of the worst step is off by %.1e.",
+             take->got.drift);
+  else
+    page_say(&a->page, PAGE_PLAIN, "Stability: it finishes, each contact problem solved to %.0e.",
+             take->at.tol);
+  if (p->contact.nc)
+    part_uniqueness(&a->parts, &p->contact);
+  else
+    page_say(&a->page, PAGE_PLAIN, "Uniqueness: unknown; without --quick it is computed.");
+  page_say(&a->page, PAGE_PLAIN, "Method: auto.");
+  part_note(&a->parts, "scene", setting_text(b->scene, &take->at, 1, options));
+  part_command(&a->parts);
+}
+
 static void add_scene(report *a, const budget *b, const problem *p) {
+  first_screen(a, b, p);
   page_say(&a->page, PAGE_SECTION, "Error budget");
   budget_tables(b, &a->page);
   page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
@@ -129,7 +164,7 @@ static void add_scene(report *a, const budget *b, const problem *p) {
     (void)page_picture(&a->page, a->folder, "budget.svg",
                        "Error left by each part of the setting, against CPU");
   if (*p->note) page_say(&a->page, PAGE_NOTE, "The methods: %s.", p->note);
-  add_parts(a, &p->contact);
+  add_parts(a);
   part_run(&a->parts, &b->probe[b->take].got);
 }
 
@@ -142,6 +177,9 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   if (!b) return complain_of(s->name, &error);
   *b = (budget){.scene = s,
                 .accuracy = o->accuracy,
+                .of = o->of && !strcmp(o->of, "force")   ? OF_FORCE
+                      : o->of && !strcmp(o->of, "curve") ? OF_CURVE
+                                                         : OF_FORCE | OF_CURVE,
                 .limit = (o->quick ? quick_share : budget_share) * o->cpu};
   if (budget_run(b, &error) || b->take < 0) {
     if (was_interrupted())
@@ -154,7 +192,8 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   budget_verdict(b, a->verdict, sizeof a->verdict);
   a->parts.scene = s;
   a->parts.take = &b->probe[b->take].at;
-  if ((o->quick || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
+  const int no_problem = o->quick && s->kind != SCENE_AT_ONCE; /* it would take a run */
+  if ((no_problem || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
       begin_page(a, directory)) {
     add_scene(a, b, &p);
     result = end_page(a, directory, b->met, !b->probe[b->take].got.status);
@@ -184,6 +223,8 @@ static void add_surface(report *a, const file_budget *b, const problem *p) {
 /* Adds the budget and the rest of the page. */
 static int add_contact(report *a, const problem *p, const char *directory) {
   const dls_contact *contact = &p->contact;
+  const double seconds = p->reduction_cpu_seconds; /* 0: none */
+  char options[40];
   const report_options *o = a->options;
   file_budget *b = calloc(1, sizeof *b); /* 35 kB, and the solves take 50 kB of the stack */
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
@@ -197,10 +238,19 @@ static int add_contact(report *a, const problem *p, const char *directory) {
   } else {
     file_verdict(b, a->verdict, sizeof a->verdict);
     if (begin_page(a, directory)) {
+      if (seconds > 0)
+        page_say(&a->page, PAGE_PLAIN, "Speed: %.2g ms of CPU besides, to reduce K to W.",
+                 1e3 * seconds);
+      part_uniqueness(&a->parts, contact);
+      if (b->take >= 0) {
+        (void)snprintf(options, sizeof options, "--tol=%.0e", b->tol[b->take]);
+        part_note(&a->parts, "solve", options);
+        part_command(&a->parts);
+      }
       page_say(&a->page, PAGE_SECTION, "Error budget");
       file_tables(b, &a->page);
-      page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
-      add_parts(a, contact);
+      if (!o->quick) page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
+      add_parts(a);
       page_say(&a->page, PAGE_SECTION, "Contacts");
       file_contacts(b, &a->page);
       add_surface(a, b, p);
@@ -280,6 +330,7 @@ static int count_alike(char **names, int k) {
 int command_report(int argc, char **argv) {
   static const option_row options[] = {ROW(A_NUMBER, "accuracy", 0, report_options, accuracy),
                                        ROW(A_NUMBER, "cpu", 0, report_options, cpu),
+                                       ROW(A_TEXT, "of", 0, report_options, of),
                                        ROW(A_FLAG, "quick", 0, report_options, quick),
                                        ROW(A_FLAG, "text", 0, report_options, text),
                                        ROW(A_TEXT, "out", 'o', report_options, out),
@@ -291,6 +342,9 @@ int command_report(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (!(o.accuracy > 0 && o.accuracy < 1))
     return complain("--accuracy: '%g' is not between 0 and 1", o.accuracy);
+  if (o.of && strcmp(o.of, "force") != 0 && strcmp(o.of, "curve") != 0 &&
+      strcmp(o.of, "force,curve") != 0)
+    return complain("--of: '%s' is not force, curve or force,curve", o.of);
   int count = argc - optind;
   char **names = source_names(&count, argv, &o.from);
   if (!names) return EXIT_BAD_INPUT;

@@ -76,14 +76,20 @@ typedef struct ladder {
   int monotone;         /* 1: the last values move in one direction */
 } ladder;
 
+/* The answer at the end; its curve over the steps. */
+enum { OF_FORCE = 1, OF_CURVE = 2 };
+
 typedef struct budget {
   const scene *scene;
   double accuracy, limit; /* wanted, relative; CPU seconds for all runs */
+  int of;                 /* what is to be accurate: OF_FORCE | OF_CURVE */
   double start;
   int probes;
   probe probe[MOST_PROBES];
   ladder mesh, graded, steps, tol;
   double reference, doubt; /* the closed form or the limit of the ladders; its estimated error */
+  int finest;              /* the probe whose curve is the reference, -1: none */
+  double curve_doubt;      /* estimated error of that curve */
   int disagree;            /* 1: the limits of both meshes differ by more than their doubts */
   int own, take, check;    /* probes; -1: none */
   double error;            /* of the setting to take, relative, with the doubt */
@@ -103,10 +109,13 @@ int ladder_probe(const budget *b, const ladder *l, int level);
 
 /* Writes the verdict, and the tables of the budget. */
 void budget_verdict(const budget *b, char *text, size_t size);
+void budget_accuracy(const budget *b, page *p);
 void budget_tables(const budget *b, page *p);
 
-/* Returns |value - reference| / |reference| of a probe. */
+/* Returns |value - reference| / |reference| of a probe, and the L2 norm of its curve less that of
+ * the reference over the norm of that (NaN: no curve). Without the doubts. */
 double budget_error(const budget *b, int probe);
+double budget_curve(const budget *b, int probe);
 
 /* Writes budget.csv, budget.gp and draws budget.svg in the directory; 0 after a complaint. */
 int budget_picture(const budget *b, const char *directory);
@@ -164,12 +173,16 @@ typedef struct parts {
   command_line line;                         /* at work; not on the stack, which may be small */
 } parts;
 
-/* Notes the command of the page itself. */
-void part_note(parts *a, const char *options);
+/* Notes a command line; shows the last one. */
+void part_note(parts *a, const char *what, const char *options);
+void part_command(const parts *a);
+
+/* Says how many answers the problem has at its own friction. */
+void part_uniqueness(const parts *a, const dls_contact *contact);
 
 /* Add the section of a part. */
 void part_speed(parts *a, int step);
-void part_stability(parts *a, const dls_contact *contact);
+void part_stability(parts *a);
 void part_run(parts *a, const scene_answer *got);
 void part_commands(const parts *a);
 

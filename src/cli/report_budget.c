@@ -132,6 +132,26 @@ static void ladder_settle(const budget *b, ladder *l) {
   l->monotone = !up || !down;
 }
 
+/* Returns the L2 distance of two curves over the norm of the second; INFINITY without one. */
+static double curve_distance(const budget *b, int one, int other) {
+  double sum = 0, norm = 0;
+  if (one < 0 || other < 0) return INFINITY;
+  const double *x = b->probe[one].got.curve, *y = b->probe[other].got.curve;
+  for (int k = 0; k < CURVE; k++) {
+    sum += (x[k] - y[k]) * (x[k] - y[k]);
+    norm += y[k] * y[k];
+  }
+  return norm > 0 ? sqrt(sum / norm) : 0;
+}
+
+/* Returns the estimated error of the curve of the finest level. */
+static double ladder_curve_doubt(const budget *b, const ladder *l) {
+  const int apart = is_mesh(b, l) ? 2 : 1, last = ladder_probe(b, l, l->high);
+  if (l->low > l->high) return 0;
+  return unsafe * fmax(curve_distance(b, ladder_probe(b, l, l->high - apart), last),
+                       curve_distance(b, ladder_probe(b, l, l->high - 1), last));
+}
+
 /* Returns the largest error of a level and of all finer ones, relative to the ladder's limit;
  * INFINITY for a level without an answer. */
 static double ladder_error(const budget *b, const ladder *l, int level) {
@@ -142,7 +162,11 @@ static double ladder_error(const budget *b, const ladder *l, int level) {
   double worst = ladder_probe(b, l, level) < 0 ? INFINITY : 0;
   for (int k = level; k <= (with_mesh ? 0 : l->high); k++) {
     const double value = ladder_value(b, l, k);
-    if (isfinite(value)) worst = fmax(worst, fabs(value - limit) / fabs(limit));
+    if (!isfinite(value)) continue;
+    if (b->of != OF_CURVE) worst = fmax(worst, fabs(value - limit) / fabs(limit));
+    if (b->of & OF_CURVE)
+      worst = fmax(worst, curve_distance(b, ladder_probe(b, l, k),
+                                         ladder_probe(b, l, with_mesh ? 0 : l->high)));
   }
   return worst;
 }
@@ -181,9 +205,11 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
   for (;;) {
     ladder_settle(b, l);
     const double next = b->probe[k0].got.seconds * ladder_cost(b, l, l->high + 1);
-    if (l->high >= (l == &b->tol ? 1 : 2) && l->doubt < well_known * b->accuracy) return;
-    if (is_mesh(b, l) && l->high >= 2 && beside_exact(b, l, l->high) &&
-        beside_exact(b, l, l->high - 1))
+    const double curve = b->of & OF_CURVE ? ladder_curve_doubt(b, l) : 0;
+    if (l->high >= (l == &b->tol ? 1 : 2) && fmax(l->doubt, curve) < well_known * b->accuracy)
+      return;
+    if (is_mesh(b, l) && l->high >= 2 && curve < well_known * b->accuracy &&
+        beside_exact(b, l, l->high) && beside_exact(b, l, l->high - 1))
       return;
     if (l == &b->tol && l->high == 1) return;
     if (cpu_seconds() - start + next > share || !ladder_run(b, l, 1, error)) return;
@@ -194,6 +220,24 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
 
 double budget_error(const budget *b, int k) {
   return fabs(b->probe[k].got.value - b->reference) / fabs(b->reference);
+}
+
+double budget_curve(const budget *b, int k) {
+  return b->finest < 0 ? (double)NAN : curve_distance(b, k, b->finest);
+}
+
+/* Returns the error of what is asked, with the doubts. */
+static double asked_error(const budget *b, int k) {
+  const double force = b->of == OF_CURVE ? 0 : budget_error(b, k) + b->doubt;
+  const double curve = b->of & OF_CURVE ? budget_curve(b, k) + b->curve_doubt : 0;
+  return fmax(force, curve);
+}
+
+/* Returns the larger doubt of what is asked. */
+static double asked_doubt(const budget *b) {
+  return b->of == OF_CURVE  ? b->curve_doubt
+         : b->of & OF_CURVE ? fmax(b->doubt, b->curve_doubt)
+                            : b->doubt;
 }
 
 /* A setting to try. */
@@ -235,7 +279,7 @@ static int list_candidates(const budget *b, candidate *list) {
     for (int i = of->low > of->high ? 0 : of->low; i <= fmax(0, of->high); i++)
       for (int j = steps->low > steps->high ? 0 : steps->low; j <= fmax(0, steps->high); j++) {
         const double error = ladder_error(b, of, i) + ladder_error(b, steps, j);
-        if (error + b->doubt <= b->accuracy)
+        if (error + asked_doubt(b) <= b->accuracy)
           list[count++] = (candidate){foreseen_seconds(b, of, i, j), error, i, j, of, 0};
       }
   }
@@ -265,11 +309,11 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
   const setting at = candidate_setting(b, c, 0, 0, tol);
   const int k = run_probe(b, &at, "search", error);
-  if (k < 0 || b->probe[k].got.status || budget_error(b, k) + b->doubt > b->accuracy) return 0;
+  if (k < 0 || b->probe[k].got.status || !(asked_error(b, k) <= b->accuracy)) return 0;
   const int run = run_check(b, c, tol, error);
   const int check = run >= 0 && isfinite(b->probe[run].got.value) ? run : -1;
   const double other = check < 0 ? 0 : fabs(b->probe[k].got.value / b->probe[check].got.value - 1);
-  const double error_of = fmax(budget_error(b, k) + b->doubt, other);
+  const double error_of = fmax(asked_error(b, k), other);
   if (b->take >= 0 && b->error <= error_of) return 0;
   b->take = k;
   b->check = check;
@@ -285,7 +329,7 @@ static void take_the_best(budget *b) {
   int best = b->own;
   for (int level = of->low; level <= of->high; level++)
     if (ladder_probe(b, of, level) >= 0) best = ladder_probe(b, of, level);
-  const double error = budget_error(b, best) + b->doubt;
+  const double error = asked_error(b, best);
   if (b->take < 0 || !(b->error <= error)) {
     b->take = best;
     b->check = -1;
@@ -327,6 +371,11 @@ static void make_reference(budget *b) {
   }
   b->disagree = two && !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
   if (b->disagree) b->doubt = fabs(g->limit / m->limit - 1);
+  const ladder *last = m->low <= m->high ? m : &b->steps;
+  b->finest =
+      b->scene->own.steps && last->low <= last->high ? ladder_probe(b, last, last->high) : -1;
+  b->curve_doubt = ladder_curve_doubt(b, last);
+  if (!b->scene->dynamic && last == m) b->curve_doubt += ladder_curve_doubt(b, &b->steps);
   if (isfinite(b->scene->exact)) {
     b->reference = b->scene->exact;
     b->doubt = 0;
@@ -364,7 +413,8 @@ static void measure(budget *b, dls_error *error) {
 
 dls_status budget_run(budget *b, dls_error *error) {
   b->start = cpu_seconds();
-  b->take = b->check = -1;
+  b->take = b->check = b->finest = -1;
+  if (!b->scene->own.steps) b->of = OF_FORCE;
   b->reference = b->doubt = b->error = b->enough_seconds = NAN;
   b->own = run_probe(b, &b->scene->own, "own", error);
   if (b->own < 0) return b->status;

@@ -31,7 +31,7 @@ static void begin_line(command_line *l, const parts *a, const char *what, const 
   l->count = 0;
   add_words(l, what);
   add_words(l, options);
-  add_word(l, "--out=", what);
+  if (strcmp(what, "solve") != 0) add_word(l, "--out=", what);
   if (a->name[0] == '-') add_word(l, "", "--");
   add_word(l, "", a->name);
 }
@@ -77,15 +77,18 @@ static void note_line(parts *a, const char *what, const char *options) {
   if (a->commands < MOST_COMMANDS) write_line(&a->line, a->command[a->commands++], COMMAND_ROOM);
 }
 
-void part_note(parts *a, const char *options) {
-  note_line(a, "report", options);
+void part_note(parts *a, const char *what, const char *options) {
+  note_line(a, what, options);
 }
 
 /* Runs a command for this page; says on the page why it did not work. Returns 1 if it did. */
 static int make_part(parts *a, const char *what, const char *options, int (*run)(int, char **),
                      char path[PATH_ROOM]) {
   char why[PATH_ROOM];
-  note_line(a, what, options);
+  if (strcmp(what, "scene") != 0) /* is noted on the first screen */
+    note_line(a, what, options);
+  else
+    begin_line(&a->line, a, what, options);
   if (run_line(&a->line, a, what, run, path, why) != EXIT_BAD_INPUT) return 1;
   page_say(a->page, PAGE_NOTE, "No %s: %.600s", what, *why ? why : "it failed");
   return 0;
@@ -140,37 +143,75 @@ static void count_cells(const parts *a, const char *path) {
   page_table_end(a->page);
 }
 
-/* Tells what is known of the friction of a contact problem. */
-static void tell_friction(const parts *a, const dls_contact *contact) {
-  dls_diagnosis facts;
-  dls_fold fold;
-  if (dls_contact_diagnose(contact, most_rows_of_facts, &facts, NULL)) return;
-  if (isinf(facts.friction_unique))
-    page_say(a->page, PAGE_PLAIN, "With any friction each load has one answer (proved).");
-  else if (facts.friction_unique > 0)
-    page_say(a->page, PAGE_PLAIN, "Below friction %.3g each load has one answer (proved).",
-             facts.friction_unique);
-  if (isfinite(facts.friction_critical))
-    page_say(a->page, PAGE_PLAIN, "Above friction %.3g contact %d (from 0) alone can jam.",
-             facts.friction_critical, facts.critical);
-  if (contact->nc <= most_contacts_of_fold &&
-      !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL)) {
-    if (isfinite(fold.friction))
-      page_say(a->page, PAGE_PLAIN,
-               "Above friction %.3g%s some loads have several solutions (fold).", fold.friction,
-               fold.exact ? "" : ", perhaps less,");
-    else if (fold.exact)
-      page_say(a->page, PAGE_PLAIN, "There is no fold: no friction gives several answers.");
-  }
+enum { ANSWERS = 32, ANSWER_ROWS = 2 * DLS_STATES_MAX };
+
+/* Lists all answers of a small problem in 2D; returns 0 where that is not known. */
+static int list_answers(const parts *a, const dls_contact *contact) {
+  static const char *const count[] = {"no answer", "one answer", "two answers", "three answers"};
+  static double r[3 * ANSWERS * ANSWER_ROWS];
+  const int m = 2 * contact->nc, room = ANSWERS * ANSWER_ROWS;
+  dls_solution_set set;
+  char text[400] = "";
+  size_t used = 0;
+  if (contact->d != 2 || contact->nc > DLS_STATES_MAX) return 0;
+  const dls_status status =
+      dls_contact_enumerate(contact, 1e-8, ANSWERS, r, r + room, r + 2 * (size_t)room, &set, NULL);
+  if (status != DLS_OK && status != DLS_NO_SOLUTION) return 0;
+  for (int k = 0; k < set.isolated && k < ANSWERS && !set.continua && m <= 4; k++)
+    for (int i = 0; i < m && used + 16 < sizeof text; i++)
+      used += (size_t)snprintf(text + used, sizeof text - used, "%s%.4g",
+                               i   ? " "
+                               : k ? "; r = "
+                                   : ": r = ",
+                               r[k * m + i]);
+  if (set.continua)
+    page_say(a->page, PAGE_PLAIN, "Uniqueness: more than one answer, in %d connected set%s.",
+             set.continua, plural(set.continua));
+  else if (set.isolated < 4)
+    page_say(a->page, PAGE_PLAIN, "Uniqueness: %s, proved%s.", count[set.isolated], text);
+  else
+    page_say(a->page, PAGE_PLAIN, "Uniqueness: %d answers, proved%s.", set.isolated, text);
+  return 1;
 }
 
-void part_stability(parts *a, const dls_contact *contact) {
+void part_uniqueness(const parts *a, const dls_contact *contact) {
+  const double own = largest_entry(contact->mu, contact->nc);
+  dls_diagnosis facts = {0};
+  dls_fold fold = {0};
+  char below[80] = "";
+  if (list_answers(a, contact)) return;
+  const int known = !dls_contact_diagnose(contact, most_rows_of_facts, &facts, NULL);
+  const int folds = contact->d == 2 && contact->nc <= most_contacts_of_fold &&
+                    !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL);
+  if (known && facts.friction_unique > 0 && isfinite(facts.friction_unique))
+    (void)snprintf(below, sizeof below, " Below friction %.3g each load has one answer (proved).",
+                   facts.friction_unique);
+  if ((known && own < facts.friction_unique) || (folds && fold.exact && own < fold.friction))
+    page_say(a->page, PAGE_PLAIN, "Uniqueness: one answer, proved, at friction %.3g.%s", own,
+             below);
+  else if (folds && own >= fold.friction)
+    page_say(a->page, PAGE_PLAIN,
+             "Uniqueness: unknown at friction %.3g. Above friction %.3g%s some loads have several "
+             "answers.%s",
+             own, fold.friction, fold.exact ? "" : ", perhaps less,", below);
+  else
+    page_say(a->page, PAGE_PLAIN, "Uniqueness: unknown at friction %.3g.%s%s", own,
+             folds ? " A search found no other answer for any load." : "", below);
+  if (known && own > facts.friction_critical)
+    page_say(a->page, PAGE_PLAIN, "Contact %d alone can jam: its friction is above %.3g.",
+             facts.critical + 1, facts.friction_critical);
+}
+
+void part_command(const parts *a) {
+  page_say(a->page, PAGE_COMMAND, "%s", a->command[a->commands - 1]);
+}
+
+void part_stability(parts *a) {
   const int steps = a->scene && a->scene->kind != SCENE_AT_ONCE;
   const int rows = steps ? MAP_OF_STEPS : MAP_OF_METHODS;
   char path[PATH_ROOM], options[60];
   (void)snprintf(options, sizeof options, "--rows=%d --limit=%.2g", rows,
                  a->cpu / (steps ? STEP_CELLS : rows * METHODS));
-  if (!steps) tell_friction(a, contact);
   if (!make_part(a, "map", options, command_map, path)) return;
   const int drawn = page_picture(a->page, path, "map.svg",
                                  steps ? "Does the scene finish? Friction against steps"

@@ -16,31 +16,47 @@ static const char *percent(double part, char text[24]) {
 void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
-  char words[SETTING_ROOM], more[SETTING_ROOM], wanted[24], error[24];
+  char words[SETTING_ROOM], wanted[24], error[24];
   (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
+  const char *of = b->of == OF_CURVE ? ", its curve," : b->of & OF_CURVE ? " and its curve" : "";
   if (take->got.status) {
     (void)snprintf(text, size, "%s does not finish: %s, after %.0f %% of the steps", s->name,
                    dls_status_text(take->got.status), 100 * take->got.part);
   } else if (b->met) {
-    (void)snprintf(text, size, "Take %s: %s within %s, %.2g s of CPU (%s: %s)", words, s->answer,
-                   wanted, take->got.seconds,
-                   isfinite(s->exact) ? "by the closed form" : "estimated to", error);
-  } else if (b->enough_seconds > 0) {
-    (void)snprintf(
-        text, size,
-        "Not decided: %.3g s of CPU do not reach %s. Best within %s: %s, %.2g s. By %s %s would be "
-        "enough, in about %.2g s",
-        b->limit, wanted, error, words, take->got.seconds,
-        isfinite(b->mesh.order) ? "the measured order" : "order 0.5",
-        setting_text(s, &b->enough, 0, more), b->enough_seconds);
+    (void)snprintf(text, size, "Take %s: %s%s within %s (%s: %s), %.2g s of CPU", words, s->answer,
+                   of, wanted, isfinite(s->exact) && !*of ? "by the closed form" : "estimated to",
+                   error, take->got.seconds);
   } else {
-    (void)snprintf(text, size, "Not decided: %s %s. Best within %s: %s, %.2g s of CPU",
-                   b->disagree ? "the even and the graded mesh tend to answers further apart than"
-                               : "no setting is within",
-                   wanted, error, words, take->got.seconds);
+    (void)snprintf(text, size, "Take %s: %s%s within %s, the best that %.3g s of CPU found, not %s",
+                   words, s->answer, of, error, b->limit, wanted);
   }
+}
+
+void budget_accuracy(const budget *b, page *p) {
+  char text[24], doubt[24], more[SETTING_ROOM];
+  const scene *s = b->scene;
+  (void)percent(budget_error(b, b->take) + b->doubt, text);
+  if (isfinite(s->exact))
+    page_say(p, PAGE_PLAIN, "Accuracy: the %s is within %s of the closed form, %.6g %s.", s->answer,
+             text, b->reference, s->unit);
+  else
+    page_say(p, PAGE_PLAIN, "Accuracy: the %s is within %s, from %.6g %s, itself estimated to %s.",
+             s->answer, text, b->reference, s->unit, percent(b->doubt, doubt));
+  if (b->finest >= 0)
+    page_say(p, PAGE_PLAIN,
+             "Its curve over the steps is within %s (L2), from the finest run, itself estimated to "
+             "%s%s.",
+             percent(budget_curve(b, b->take) + b->curve_doubt, text),
+             percent(b->curve_doubt, doubt), b->of & OF_CURVE ? "" : " (not asked: --of=force)");
+  if (b->disagree)
+    page_say(p, PAGE_PLAIN, "Not decided: the even and the graded mesh tend to answers %s apart.",
+             percent(b->doubt, text));
+  else if (!b->met && b->enough_seconds > 0)
+    page_say(p, PAGE_PLAIN, "Not decided. By %s %s would be enough, in about %.2g s of CPU.",
+             isfinite(b->mesh.order) ? "the measured order" : "an order of 0.5",
+             setting_text(s, &b->enough, 0, more), b->enough_seconds);
 }
 
 /* Adds a row of the budget: a run beside the one of which a part was changed. */
@@ -55,21 +71,6 @@ static void add_change(const budget *b, page *p, const char *what, int from, int
     page_cell(p, "%.6g", y->got.value);
   page_cell(p, "%s", from == to ? "" : percent(fabs(y->got.value / x->got.value - 1), text));
   page_cell(p, "%.2g", y->got.seconds);
-}
-
-/* Adds the row of a ladder: `finer` levels up, or, where there was no time, fewer, or down. */
-static void add_ladder(const budget *b, page *p, const ladder *l, int finer, const char *words,
-                       const char *coarser) {
-  for (int level = finer; level >= -finer; level--) {
-    const int k = level ? ladder_probe(b, l, level) : -1;
-    if (k < 0) continue;
-    add_change(b, p,
-               level == finer ? words
-               : level > 0    ? "mesh * 1.4"
-                              : coarser,
-               ladder_probe(b, l, 0), k);
-    return;
-  }
 }
 
 static void say_ladder(page *p, const ladder *l) {
@@ -89,12 +90,15 @@ static void say_ladder(page *p, const ladder *l) {
         l->limit, text);
 }
 
+enum { MOST_TRIED = 10 }; /* before the one to take */
+
 static void add_tried(const budget *b, page *p) {
   char words[SETTING_ROOM], text[24];
   page_table(p, "run,setting,answer,from the reference,CPU s");
   for (int k = 0; k < b->probes; k++) {
     const probe *q = &b->probe[k];
-    if (k != b->take && k != b->check && strcmp(q->part, "search") != 0) continue;
+    const int tried = !strcmp(q->part, "search") && k + MOST_TRIED > b->take;
+    if (k != b->take && k != b->check && !tried) continue;
     page_cell(p, "%s", k == b->take ? "to take" : k == b->check ? "check" : "tried");
     page_cell(p, "%s", setting_text(b->scene, &q->at, 0, words));
     page_cell(p, "%.6g", q->got.value);
@@ -110,17 +114,16 @@ void budget_tables(const budget *b, page *p) {
   const char *unit = s->unit;
   char heads[120];
   page_say(p, PAGE_PLAIN,
-           "The answer is the %s [%s]. Each part of the setting is made finer alone.", s->answer,
-           unit);
+           "The answer is the %s [%s]. Each row changes one thing of the scene as it is.",
+           s->answer, unit);
   (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", unit);
   page_table(p, heads);
   add_change(b, p, "as it is", b->own, b->own);
-  add_ladder(b, p, &b->tol, 1, "tolerance / 10", "tolerance * 10");
-  add_ladder(b, p, &b->steps, 1, "steps * 2", "steps / 2");
-  add_ladder(b, p, &b->mesh, 2, s->dynamic ? "mesh and steps * 2" : "mesh * 2", "mesh, coarser");
-  for (int k = 0; k < b->probes; k++)
-    if (strcspn(b->probe[k].part, " ") < strlen(b->probe[k].part)) /* a variant has two words */
-      add_change(b, p, b->probe[k].part, b->own, k);
+  setting at;
+  const char *name;
+  for (int j = 0; (name = setting_variant(s, j, &at)); j++)
+    for (int k = 0; k < b->probes && *name; k++)
+      if (setting_is(&b->probe[k].at, &at)) add_change(b, p, name, b->own, k);
   page_table_end(p);
   say_ladder(p, &b->mesh);
   say_ladder(p, &b->graded);

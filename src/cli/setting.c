@@ -34,6 +34,15 @@ static void lattice_sides(int nodes, int rectangles, int *a, int *b) {
   *b = (int)round((sum + apart) / 2);
 }
 
+/* Adds the way from (part0, value0) to (part1, value1) to the curve, linear in between. */
+static void curve_add(scene_answer *a, double part0, double value0, double part1, double value1) {
+  for (int k = 0; k < CURVE; k++) {
+    const double part = (k + 1.0) / CURVE;
+    if (part <= part0 || part > part1 + rounding) continue;
+    a->curve[k] = value0 + (value1 - value0) * (part - part0) / (part1 - part0);
+  }
+}
+
 /* ---- one equilibrium ------------------------------------------------------------------------- */
 
 static dls_status own_equilibrium(scene *s, dls_error *error) {
@@ -60,7 +69,9 @@ static dls_status solve_equilibrium(const dls_fe_scene_data *d, double tol, doub
   settings.limits.tol = tol;
   settings.limits.cpu_seconds = limit;
   settings.limits.progress = show_progress;
+  const double start = cpu_seconds();
   dls_status status = reduce_to_W(reduction, &d->model, error);
+  out->reduction = cpu_seconds() - start;
   if (!status) status = dls_reduction_load(*reduction, d->f, d->g, error);
   if (!status) status = dls_reduction_contact(*reduction, d->mu, &contact, error);
   if (status) return status;
@@ -141,8 +152,10 @@ static dls_status run_forming_at(const scene *s, const setting *at, double limit
   if (status) return status;
   dls_forming_get(forming, &d);
   for (int step = 1; step <= d.steps && !status; step++) {
+    const double part = d.travel / d.whole, force = d.force;
     status = dls_forming_step(forming, error);
     dls_forming_get(forming, &d);
+    curve_add(out, part, force, d.travel / d.whole, d.force);
     if (!status && show_step(&d, step)) status = DLS_CANCELLED;
   }
   out->status = status;
@@ -174,6 +187,12 @@ static dls_status own_moving(scene *s, dls_error *error) {
   return DLS_OK;
 }
 
+/* Returns the impulse or the work of friction so far. */
+static double moving_value(const scene *s, const dls_moving_data *d) {
+  const double work = fabs(d->energy.friction);
+  return s->dynamic ? d->impulse[0] : work > rounding * d->energy.scale ? work : 0;
+}
+
 static dls_status run_moving_at(const scene *s, const setting *at, double limit, scene_answer *out,
                                 dls_error *error) {
   dls_moving *moving;
@@ -194,15 +213,16 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
   const double start = cpu_seconds();
   dls_moving_get(moving, &d);
   while (d.step < d.steps && !status) {
+    const double before = moving_value(s, &d);
     status = dls_moving_step(moving, error);
     dls_moving_get(moving, &d);
+    curve_add(out, (d.step - 1.0) / d.steps, before, (double)d.step / d.steps, moving_value(s, &d));
     out->drift = fmax(out->drift, d.energy.residual / d.energy.scale);
     if (!status && show_moving_step(&d)) status = DLS_CANCELLED;
     if (!status && d.step < d.steps && cpu_seconds() - start > limit) status = DLS_TIME_LIMIT;
   }
   out->status = status;
-  const double work = fabs(d.energy.friction);
-  out->value = s->dynamic ? d.impulse[0] : work > rounding * d.energy.scale ? work : 0;
+  out->value = moving_value(s, &d);
   out->part = (double)d.step / d.steps;
   if (d.has_exact) out->gap = d.gap_error;
   dls_moving_destroy(moving);
@@ -214,6 +234,8 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
 int scene_find(const char *name, scene *s, dls_status *status, dls_error *error) {
   *s = (scene){.name = name, .answer = "answer", .unit = "", .exact = NAN, .own = {.mu = -1}};
   s->kind = kind_of_scene(name);
+  for (int k = 0; scene_name(k); k++)
+    if (!strcmp(name, scene_name(k))) s->says = scene_description(k);
   for (int k = 0; k < ANSWERS; k++)
     if (!strcmp(name, answers[k].name)) {
       s->answer = answers[k].answer;
@@ -274,21 +296,32 @@ const char *setting_variant(const scene *s, int k, setting *at) {
   *at = s->own;
   switch (k) {
   case 0:
+    at->tol = s->own.tol / 10;
+    return "tolerance / 10";
+  case 1:
+    at->steps *= 2;
+    return at->steps ? "steps * 2" : "";
+  case 2:
+    at->nx *= 2;
+    at->ny *= 2;
+    at->upper *= 2;
+    return at->nx ? "mesh * 2" : "";
+  case 3:
     at->mu = 0;
     return s->friction ? "no friction" : "";
-  case 1:
+  case 4:
     at->weighted = 1;
     return s->kind == SCENE_AT_ONCE ? "weighted reactions" : "";
-  case 2:
+  case 5:
     at->penalty = 1000;
     return s->kind == SCENE_FORMING ? "penalty, factor 1000" : "";
-  case 3:
+  case 6:
     at->penalty = 2000;
     return s->kind == SCENE_FORMING ? "penalty, factor 2000" : "";
-  case 4:
+  case 7:
     at->clamped = 1;
     return strcmp(s->name, dls_forming_name(0)) ? "" : "bottom clamped"; /* indentation */
-  case 5:
+  case 8:
     at->mass = lumped ? DLS_FE_CONSISTENT : DLS_FE_LUMPED;
     return !s->own.mass ? "" : lumped ? "consistent mass" : "lumped mass";
   default:

@@ -26,16 +26,21 @@ typedef struct scene {
   scene_kind kind;
   const char *answer, *unit; /* "force on the cylinder", "N/mm" */
   setting own;
-  double exact; /* the answer in closed form; NaN: there is none */
-  double whole; /* of a scene in steps: the whole way, or the whole time */
-  int dynamic;  /* 1: steps have to follow the mesh */
-  int friction; /* 1: own friction is not 0 */
+  double exact;     /* the answer in closed form; NaN: there is none */
+  const char *says; /* what it is */
+  double whole;     /* of a scene in steps: the whole way, or the whole time */
+  int dynamic;      /* 1: steps have to follow the mesh */
+  int friction;     /* 1: own friction is not 0 */
 } scene;
+
+enum { CURVE = 50 };
 
 /* The answer at a setting. */
 typedef struct scene_answer {
   dls_status status;
-  double value;   /* NaN if the scene did not finish */
+  double curve[CURVE]; /* of a scene in steps: the value at fractions 1/CURVE, 2/CURVE, .. of it */
+  double reduction;    /* CPU seconds of these: the reduction of an equilibrium */
+  double value;        /* NaN if the scene did not finish */
   double seconds; /* of CPU, from the model on: the least of up to three runs of a short scene */
   double part;    /* of the steps that are done, 0 to 1 */
   double drift;   /* bodies that move: worst error of the energy balance of a step over its scale */
