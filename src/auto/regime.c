@@ -173,7 +173,7 @@ int dlsi_auto_may_go_another_way(const dlsi_auto *work) {
 
 /* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
 int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual) {
-  return residual <= dlsi_auto_near_most * fmax(work->options.limits.tol, 1e-8);
+  return residual <= 100 * fmax(work->options.limits.tol, 1e-8);
 }
 
 int dlsi_auto_may_settle(const dlsi_auto *work) {
