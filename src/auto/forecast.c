@@ -75,7 +75,7 @@ static int is_convex_due(dlsi_auto *work, double sweeps, double ahead) {
   return sweeps >= work->convex_from;
 }
 
-int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
+static int watch_sweeps(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -108,7 +108,7 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   return end_as_costlier(work, ahead, next);
 }
 
-int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
+static int watch_newton(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -121,7 +121,7 @@ int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
 }
 
 /* Stops when the convex problem is to be tried. Sweeps that get nowhere stop by themselves. */
-int dlsi_auto_watch_push(void *data, const dls_progress *p) {
+static int watch_push(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -148,7 +148,7 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   return ahead > newton && end_as_costlier(work, ahead, newton);
 }
 
-int dlsi_auto_watch_augmented(void *data, const dls_progress *p) {
+static int watch_augmented(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -158,18 +158,27 @@ int dlsi_auto_watch_augmented(void *data, const dls_progress *p) {
   return work->in_turn && cost >= work->turn && end_as_costlier(work, cost, work->turn);
 }
 
-int dlsi_auto_watch_limits(void *data, const dls_progress *p) {
+static int watch_limits(void *data, const dls_progress *p) {
   DLSI_DOOR;
   return must_stop(data, p);
 }
 
-int dlsi_auto_watch_count(void *data, const dls_progress *p) {
+static int watch_count(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   if (!work->most || p->iteration < work->most) return 0;
   work->why = DLS_REASON_SPENT;
   return 1;
+}
+
+dls_progress_fn dlsi_auto_watch_of(const dlsi_auto *work, part k) {
+  if (work->counted) return watch_count;
+  return k == SWEEPS      ? watch_sweeps
+         : k == NEWTON    ? watch_newton
+         : k == PUSH      ? watch_push
+         : k == AUGMENTED ? watch_augmented
+                          : watch_limits;
 }
 
 /* Returns how many steps without progress Newton's method may take: half of what comes after it. */

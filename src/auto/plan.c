@@ -5,23 +5,18 @@
  */
 #include "auto/auto.h"
 
-enum { usual_way = 1, momentum = 2 }; /* dlsi_options.stage */
-
 const step_kind dlsi_auto_kind[parts] = {
-    [SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_sweeps, dlsi_auto_may_sweep, 0, usual_way},
-    [SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_split, dlsi_auto_splits,
-                   usual_way},
-    [REST] = {&dlsi_rest_method, dlsi_auto_watch_limits, dlsi_auto_may_rest, 0, usual_way},
-    [NEWTON] = {&dlsi_newton_method, dlsi_auto_watch_newton, dlsi_auto_may_step, 0, usual_way},
-    [AUGMENTED] = {&dlsi_augmented_method, dlsi_auto_watch_augmented, NULL, 0, usual_way},
-    [PIVOTING] = {&dlsi_lemke_method, dlsi_auto_watch_limits, dlsi_auto_may_pivot, 0, usual_way},
-    [COLD_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, 2000, usual_way},
-    [HOMOTOPY] = {&dlsi_homotopy_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
-                  usual_way},
-    [SCATTER] = {&dlsi_scatter_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
-                 usual_way},
-    [PUSH] = {&dlsi_nlgs_method, dlsi_auto_watch_push, dlsi_auto_may_push, 1000000, momentum},
-    [SETTLE] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_settle, 20000, usual_way},
+    [SWEEPS] = {DLS_STEP_ANDERSON, &dlsi_nlgs_method, dlsi_auto_may_sweep, 0},
+    [SPLITTING] = {DLS_STEP_SPLITTING, &dlsi_admm_method, dlsi_auto_may_split, dlsi_auto_splits},
+    [REST] = {DLS_STEP_CONVEX, &dlsi_rest_method, dlsi_auto_may_rest, 0},
+    [NEWTON] = {DLS_STEP_NEWTON, &dlsi_newton_method, dlsi_auto_may_step, 0},
+    [AUGMENTED] = {DLS_STEP_AUGMENTED, &dlsi_augmented_method, NULL, 0},
+    [PIVOTING] = {DLS_STEP_LEMKE, &dlsi_lemke_method, dlsi_auto_may_pivot, 0},
+    [COLD_SPLITTING] = {DLS_STEP_COLD_SPLITTING, &dlsi_admm_method, NULL, 2000},
+    [HOMOTOPY] = {DLS_STEP_HOMOTOPY, &dlsi_homotopy_method, dlsi_auto_may_follow_path, 0},
+    [SCATTER] = {DLS_STEP_SCATTER, &dlsi_scatter_method, dlsi_auto_may_follow_path, 0},
+    [PUSH] = {DLS_STEP_MOMENTUM, &dlsi_nlgs_method, dlsi_auto_may_push, 1000000},
+    [SETTLE] = {DLS_STEP_NEAR_SPLITTING, &dlsi_admm_method, dlsi_auto_may_settle, 20000},
 };
 
 /* Elastic bodies. */
