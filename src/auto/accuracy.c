@@ -48,7 +48,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int asked, dls_status sta
   for (int turn = 0; turn == 0 || status == DLS_OK; turn++) {
     const double predicted = predict(work);
     if (status != DLS_OK) break; /* no better one to rounding */
-    if (!(predicted > enough && predicted < before / 2) || turn == dlsi_auto_accurate_turns) break;
+    if (!(predicted > enough && predicted < before / 2) || turn == 3) break;
     if (dlsi_auto_has_plan(work) || best->residual <= DBL_EPSILON) break; /* followed once */
     before = predicted;
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);

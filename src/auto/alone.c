@@ -21,7 +21,7 @@
 #include "delassus/nlgs.h"
 #include "vi/vi_internal.h"
 
-enum { few = dlsi_auto_alone_most, most_rows = 3 * few };
+enum { few = 20, most_rows = 3 * few }; /* more take so long that a workspace costs nothing */
 
 /* Sets r of the candidates with q_n < 0 by (AL2). Returns 0 if W couples two of them, or one has no
  * solution or no weight of its own. */

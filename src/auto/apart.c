@@ -30,7 +30,7 @@ static int apart_pushes(const dls_contact *problem, int c, int e) {
 
 /* Returns 1 if enough candidates are left out for the copy to pay. */
 static int apart_pays(const dls_contact *problem, int far) {
-  return problem->nc - far <= dlsi_auto_share_left * problem->nc;
+  return problem->nc - far <= .6 * problem->nc;
 }
 
 int dlsi_list_touching(const dls_contact *problem, int **list) {
@@ -38,7 +38,7 @@ int dlsi_list_touching(const dls_contact *problem, int **list) {
   const size_t d = (size_t)problem->d;
   int far = 0, count = 0;
   *list = NULL;
-  if (!problem->W.a || nc < dlsi_auto_apart_least) return 0;
+  if (!problem->W.a || nc < 30) return 0;
   for (int c = 0; c < nc; c++)
     far += problem->q[d * (size_t)c] > 0;
   if (!apart_pays(problem, far)) return 0;

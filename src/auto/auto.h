@@ -183,7 +183,6 @@ int dlsi_auto_is_few(const dlsi_auto *work);
 dls_regime dlsi_auto_regime(const dlsi_auto *work);
 int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only where a step asks */
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */
-int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual);
 int dlsi_auto_looks_at_rest(const dlsi_auto *work); /* and the convex problem is allowed */
 double dlsi_auto_first_try(const dlsi_auto *work);  /* of the convex problem: convex_from */
 int dlsi_auto_has_splitting(const dlsi_auto *work);
@@ -197,7 +196,7 @@ int dlsi_auto_may_step(const dlsi_auto *work);
 int dlsi_auto_may_pivot(const dlsi_auto *work);
 int dlsi_auto_may_go_early(const dlsi_auto *work, part k); /* EARLY */
 int dlsi_auto_may_follow_path(const dlsi_auto *work);
-int dlsi_auto_may_settle(const dlsi_auto *work);
+int dlsi_auto_may_settle(const dlsi_auto *work); /* an answer may lie beside the best r */
 int dlsi_auto_may_copy(const dlsi_auto *work);
 int dlsi_auto_may_go_another_way(const dlsi_auto *work);
 
@@ -219,14 +218,10 @@ double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage 
 
 /* ---- forecast.c: progress callbacks of the steps --------------------------------------------- */
 
-int dlsi_auto_watch_sweeps(void *data, const dls_progress *p);
-int dlsi_auto_watch_newton(void *data, const dls_progress *p);
-int dlsi_auto_watch_push(void *data, const dls_progress *p);
-int dlsi_auto_watch_augmented(void *data, const dls_progress *p);
-int dlsi_auto_watch_limits(void *data, const dls_progress *p);
-int dlsi_auto_watch_count(void *data, const dls_progress *p); /* of `counted` */
+/* Returns the callback of the step under way, of part k. */
+dls_progress_fn dlsi_auto_watch_of(const dlsi_auto *work, part k);
 
-/* Sets what these watch a step by, from work->r. */
+/* Sets what it watches the step by, from work->r. */
 void dlsi_auto_begin_watch(dlsi_auto *work);
 
 /* The methods that auto is made of, beside Lemke's; vi/. */
@@ -235,13 +230,13 @@ extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
 
 /* ---- plan.c ---------------------------------------------------------------------------------- */
 
-/* What a step runs: its method, its watch, whether it is open (NULL: always), its limit of
- * iterations (0: its own), the way of the method (dlsi_options.stage). */
+/* What a step runs: its name, its method, whether it is open (NULL: always), its limit of iterations
+ * (0: that of the method). */
 typedef struct step_kind {
+  dls_step step;
   const dlsi_method *method;
-  dls_progress_fn watch;
   int (*may)(const dlsi_auto *work);
-  int most, way;
+  int most;
 } step_kind;
 
 extern const step_kind dlsi_auto_kind[parts];
@@ -250,8 +245,6 @@ const step *dlsi_auto_first_plan(const dlsi_auto *work);
 extern const step dlsi_auto_plan_on_copy[], dlsi_auto_plan_beyond[];
 
 /* ---- words.c --------------------------------------------------------------------------------- */
-
-dls_step dlsi_auto_step_of(part k);
 
 /* *given := what these name; NULL: nothing. DLS_E_ARGUMENT. */
 dls_status dlsi_auto_read_words(const char *plan, const char *without, dlsi_auto_given *given,

@@ -1,5 +1,5 @@
 /*
- * constants.h: every number that steers auto, in one table: its value, its unit, and the reason for
+ * constants.h: the numbers that steer auto, in one table: its value, its unit, and the reason for
  * it. Powers of ten and round numbers throughout: none is tuned to more than a factor of 2.
  *
  * The command that measures a constant solves generated problems with another value of it:
@@ -7,6 +7,7 @@
  *   bench/constants.sh [NAME...]       each of them, halved and doubled: bench/results/constants.md
  *   make bench-auto BENCH=--price      those of the cost model, group 3, beside measured costs
  *
+ * Numbers that may be halved or doubled without a change of that page stand where they are used.
  * Constants of a method stand in the file of the method; limits of the caller in
  * dls_solver_settings.
  */
@@ -15,10 +16,8 @@
 
 /* clang-format off */
 
-/* ---- 1. Regimes and what is open to them: sizes (regime.c, apart.c, alone.c, verdict.c) ------ */
+/* ---- 1. Regimes and what is open to them: sizes (regime.c) ----------------------------------- */
 enum {                             /* unit      reason */
-  dlsi_auto_alone_most      = 20,  /* contacts  more take so long that a workspace costs nothing */
-  dlsi_auto_apart_least     = 30,  /* contacts  fewer are solved before the proofs are through */
   dlsi_auto_few             = 100, /* contacts  W by blocks: more are a packing */
   dlsi_auto_many            = 1000,/* contacts  more are not swept with Anderson alone */
   dlsi_auto_split_least     = 100, /* rows      fewer are solved before ADMM has its factors */
@@ -28,36 +27,20 @@ enum {                             /* unit      reason */
   dlsi_auto_large           = 3000,/* rows      more: no second method from r = 0, no late table */
   dlsi_auto_early_rows      = 400, /* LCP rows  its table stays in the cache: pivots before sweeps
                                                 go on */
-  dlsi_auto_usual_blocks    = 10,  /* blocks a contact, where nobody has told */
-  dlsi_auto_rest_fill       = 1000,/* sweeps    factors where bodies look at rest (vi/rest.c) */
-  dlsi_auto_loose_blocks    = 4,   /* blocks a contact, its own included: factors cost few sweeps */
-  dlsi_auto_sure_contacts   = 2    /* contacts, d = 3, all of whose states the steps cover */
+  dlsi_auto_loose_blocks    = 4    /* blocks a contact, its own included: factors cost few sweeps */
 };
 
 /* ---- 2. Plans: iterations (plan.c) ---------------------------------------------------------- */
 enum {
-  dlsi_auto_few_augments    = 12,  /* augmented Lagrangian, few rows: all that it solves take 11 */
   dlsi_auto_splits          = 200, /* ADMM, before Newton again or pivots: more cost more */
-  dlsi_auto_cold_splits     = 2000,/* ADMM from r = 0 */
-  dlsi_auto_settle_splits   = 20000,/* ADMM near an answer, up to 300 rows: a second or two */
-  dlsi_auto_short_settle    = 2000,/* ... before many paths: hundredths of a second */
   dlsi_auto_few_pushes      = 200, /* momentum, few contacts: before pivots */
   dlsi_auto_long_pushes     = 2000,/* momentum, few contacts: before splitting */
-  dlsi_auto_all_pushes      = 1000000,/* momentum, packings: it ends by itself */
-  dlsi_auto_early_path      = 20,  /* homotopy, d = 3, few contacts: its answers mostly take less */
-  dlsi_auto_short_path      = 100, /* homotopy, before an r near its end is improved */
   dlsi_auto_most_failures   = 5    /* failures that count: each doubles patience; a copy
                                       begins with so many */
 };
 
 /* ---- 3. The cost model (price.c), in sweeps with Anderson's acceleration --------------------- */
-enum {
-  dlsi_auto_usual_splits    = 50,  /* sweeps: all of ADMM where m = k and mu <= 1 */
-  dlsi_auto_usual_factors   = 40,  /* steps of Newton: all of the augmented Lagrangian */
-  dlsi_auto_most_of_step    = 50   /* sweeps: a step of Newton, before fill */
-};
-static const double dlsi_auto_few_filled  = 6000; /* unknowns, 3D by blocks: more have fill */
-static const double dlsi_auto_flat_filled = 2000; /* unknowns, 2D: the same of packings */
+enum { dlsi_auto_most_of_step = 50 };             /* sweeps: a step of Newton, before fill */
 static const double dlsi_auto_step_sweeps = 1.5;  /* sweeps: a step on kept factors */
 
 /* ---- 4. The forecast (forecast.c) ----------------------------------------------------------- */
@@ -66,7 +49,6 @@ enum {
   dlsi_auto_first_sweeps    = 10,  /* sweeps before a forecast is believed, ... */
   dlsi_auto_first_of_few    = 60,  /* ... of few contacts by blocks: a sweep costs nothing there */
   dlsi_auto_ahead           = 100, /* sweeps ahead: the convex problem or momentum takes fewer */
-  dlsi_auto_turn_errs       = 4,   /* turns ahead: fewer may be an error of the forecast */
   dlsi_auto_sweeps_before   = 200, /* sweeps before the convex problem of what is not at rest */
   dlsi_auto_first_patience  = 4,   /* steps of Newton without progress, at least ... */
   dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton.c */
@@ -74,17 +56,11 @@ enum {
 static const double dlsi_auto_unsorted  = .05;  /* residual: above, few states are the answer's */
 static const double dlsi_auto_far_start = .25;  /* residual of a warm start with many new states */
 static const double dlsi_auto_push_near = 1e-5; /* residual: above, Newton fails on packings */
-static const double dlsi_auto_near_most = 100;  /* times tol: an answer may lie beside such an r */
 
 /* ---- 5. Rest, warm solves, accuracy, verdicts ------------------------------------------------ */
-enum { dlsi_auto_accurate_turns = 3 };            /* smaller tolerances, one after another */
 static const double dlsi_auto_share_outside = .1; /* of -q outside of the cones: may be at rest */
-static const double dlsi_auto_share_left = .6;    /* of the contacts: with more, no copy pays */
-static const double dlsi_auto_forgotten = .98;    /* of the cost expected, a solve without (SQ2) */
 static const double dlsi_auto_firm = 1e4;         /* friction: larger ones are this on a copy */
 static const double dlsi_auto_accurate = 1e-4;    /* relative error of r that needs no word */
-static const double dlsi_auto_another = 1e-3;     /* difference of two answers, of the largest r */
-static const double dlsi_auto_runs_away = 1e-10;  /* |D^-1 W delta| of |delta|: W delta is 0 */
 
 /* clang-format on */
 

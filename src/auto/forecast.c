@@ -21,7 +21,8 @@
  *          (NL14, AU6), so that neither takes much more than three times its cost alone
  *   (FC5)  sweeps give way to the convex problem if (FC1) exceeds 100: at once where bodies look at
  *          rest, elsewhere after 200 sweeps, if (FC1) exceeds twice the sweeps so far. There a
- *          factorisation may cost as many sweeps as were made; else the step waits for so many. The
+ *          factorisation may cost as many sweeps as were made, at rest 1000; else the step waits
+ *          for so many. The
  *          fill of bodies is foreseen before W is formed (vi/fill.c)
  *
  * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
@@ -67,14 +68,14 @@ static int is_convex_due(dlsi_auto *work, double sweeps, double ahead) {
   if (!work->history.taken[REST]) {
     const dls_contact *problem = work->problem;
     const int told = work->options.limits.blocks, d = problem->d;
-    const double blocks = told > 1 ? told : dlsi_auto_usual_blocks * (double)problem->nc;
+    const double blocks = told > 1 ? told : 10. * problem->nc;
     const double fill = dlsi_foresee_fill(problem) / (2 * d * d * blocks);
-    if (fill > fmax(sweeps, work->info.at_rest ? dlsi_auto_rest_fill : 0)) work->convex_from = fill;
+    if (fill > fmax(sweeps, work->info.at_rest ? 1000 : 0)) work->convex_from = fill;
   }
   return sweeps >= work->convex_from;
 }
 
-int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
+static int watch_sweeps(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -107,7 +108,7 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   return end_as_costlier(work, ahead, next);
 }
 
-int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
+static int watch_newton(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -120,7 +121,7 @@ int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
 }
 
 /* Stops when the convex problem is to be tried. Sweeps that get nowhere stop by themselves. */
-int dlsi_auto_watch_push(void *data, const dls_progress *p) {
+static int watch_push(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -137,7 +138,7 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   if (is_convex_due(work, so_far, ahead)) return end_as_costlier(work, ahead, dlsi_auto_ahead);
   if (dlsi_auto_is_packing(work) && !dlsi_auto_has_augmented(work)) { /* (FC4) */
     const double turn = fmax(work->turn, dlsi_auto_cost_of_augmented(work));
-    if (so_far >= turn && ahead > dlsi_auto_turn_errs * turn) {
+    if (so_far >= turn && ahead > 4 * turn) {
       work->turn = turn;
       return end_as_costlier(work, ahead, turn);
     }
@@ -147,7 +148,7 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   return ahead > newton && end_as_costlier(work, ahead, newton);
 }
 
-int dlsi_auto_watch_augmented(void *data, const dls_progress *p) {
+static int watch_augmented(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -157,18 +158,27 @@ int dlsi_auto_watch_augmented(void *data, const dls_progress *p) {
   return work->in_turn && cost >= work->turn && end_as_costlier(work, cost, work->turn);
 }
 
-int dlsi_auto_watch_limits(void *data, const dls_progress *p) {
+static int watch_limits(void *data, const dls_progress *p) {
   DLSI_DOOR;
   return must_stop(data, p);
 }
 
-int dlsi_auto_watch_count(void *data, const dls_progress *p) {
+static int watch_count(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   if (!work->most || p->iteration < work->most) return 0;
   work->why = DLS_REASON_SPENT;
   return 1;
+}
+
+dls_progress_fn dlsi_auto_watch_of(const dlsi_auto *work, part k) {
+  if (work->counted) return watch_count;
+  return k == SWEEPS      ? watch_sweeps
+         : k == NEWTON    ? watch_newton
+         : k == PUSH      ? watch_push
+         : k == AUGMENTED ? watch_augmented
+                          : watch_limits;
 }
 
 /* Returns how many steps without progress Newton's method may take: half of what comes after it. */

@@ -44,7 +44,7 @@ static void sweep_to_another(dlsi_auto *work, const double *r, const double *u) 
     difference = fmax(difference, fabs(w * (other[k] - r[k])));
     size = fmax(size, fabs(w * r[k]));
   }
-  if (difference > dlsi_auto_another * size) work->info.unique = DLS_UNIQUE_NO;
+  if (difference > 1e-3 * size) work->info.unique = DLS_UNIQUE_NO;
 }
 
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r, const double *u) {

@@ -47,15 +47,14 @@ static double mean_friction(const dls_contact *problem, const double *r) {
 double dlsi_auto_cost_of_split(const dlsi_auto *work) {
   const double mu = fmax(mean_friction(work->problem, work->r), 1);
   const double m = (double)work->problem->d * work->problem->nc;
-  return dlsi_auto_usual_splits * mu * mu * m / fmax(work->unknowns, 1);
+  return 50 * mu * mu * m / fmax(work->unknowns, 1);
 }
 
 /* Returns the sweeps that a step of Newton's method takes with k unknowns, (PR1). */
 static double price_of_step(const dls_contact *problem, double k) {
   const int dense = problem->W.a != NULL;
   const double m = (double)problem->d * problem->nc;
-  const double fill =
-      !dense && problem->d == 3 && k > dlsi_auto_few_filled ? k / dlsi_auto_few_filled : 1;
+  const double fill = !dense && problem->d == 3 && k > 6000 ? k / 6000 : 1;
   const double sweeps = fmax(5 + k / 12, k / 6) / (problem->d == 3 ? 1.5 : 1);
   const double usual = fmin(sweeps, dlsi_auto_most_of_step) * fill * fill;
   return dense ? fmax(usual, k * k / (6 * m)) : usual;
@@ -74,8 +73,8 @@ double dlsi_auto_cost_of_newton(dlsi_auto *work) {
 
 double dlsi_auto_cost_of_augmented(const dlsi_auto *work) {
   const double k = dlsi_auto_count_unknowns(work->problem, work->r);
-  const double fill = work->d == 2 ? fmax(k / dlsi_auto_flat_filled, 1) : 1;
-  return dlsi_auto_usual_factors * fill * fill * price_of_step(work->problem, k);
+  const double fill = work->d == 2 ? fmax(k / 2000, 1) : 1;
+  return 40 * fill * fill * price_of_step(work->problem, k);
 }
 
 /* Returns the factorisations that cost a turn of the augmented Lagrangian. */

@@ -171,13 +171,8 @@ int dlsi_auto_may_go_another_way(const dlsi_auto *work) {
   return work->problem->d * work->problem->nc <= dlsi_auto_large;
 }
 
-/* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
-int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual) {
-  return residual <= dlsi_auto_near_most * fmax(work->options.limits.tol, 1e-8);
-}
-
 int dlsi_auto_may_settle(const dlsi_auto *work) {
-  return dlsi_auto_is_nearly_met(work, work->info.certificate.residual);
+  return work->info.certificate.residual <= 100 * fmax(work->options.limits.tol, 1e-8);
 }
 
 /* Not: what a method alone refuses; the convex problem of a dense W; searches without end. */

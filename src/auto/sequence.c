@@ -203,7 +203,7 @@ void dlsi_auto_remember_cost(dlsi_auto *work, const double *r) {
     cost += newton ? factors * info->stage[s].factorisations : 0;
   }
   if (!work->stepped) {
-    work->of_step *= dlsi_auto_forgotten;
+    work->of_step *= .98;
     work->swept = cost;
   } else {
     if (!work->in_steps && info->factorisations) cost -= factors;

@@ -34,7 +34,7 @@ static dls_limits limits_of(dlsi_auto *work, part k) {
                       .max_iterations = work->most ? work->most : dlsi_auto_kind[k].most,
                       .warm_start = k != PIVOTING && k != COLD_SPLITTING,
                       .blocks = work->options.limits.blocks,
-                      .progress = work->counted ? dlsi_auto_watch_count : dlsi_auto_kind[k].watch,
+                      .progress = dlsi_auto_watch_of(work, k),
                       .progress_data = work,
                       .cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun),
                       .threads = work->options.limits.threads};
@@ -48,8 +48,8 @@ dls_status dlsi_auto_create_part(dlsi_auto *work, part k, dls_error *error) {
   dlsi_options options = work->options;
   if (work->part[k]) return DLS_OK;
   options.limits = limits_of(work, k);
-  options.limits.cpu_seconds = 0; /* each step sets it */
-  options.stage = dlsi_auto_kind[k].way;
+  options.limits.cpu_seconds = 0;    /* each step sets it */
+  options.stage = k == PUSH ? 2 : 1; /* momentum, the usual way (vi/nlgs.c) */
   options.room = &work->room;
   return dlsi_auto_kind[k].method->create(&work->part[k], work->d, work->nc, &options, error);
 }
@@ -116,7 +116,7 @@ static dls_stage *add_line(dlsi_auto *work, part k, dls_reason reason) {
   dls_stage *line = &all->stage[all->stages++];
   *line = (dls_stage){.method = dlsi_auto_kind[k].method->method,
                       .residual = all->certificate.residual,
-                      .step = dlsi_auto_step_of(k),
+                      .step = dlsi_auto_kind[k].step,
                       .reason = reason,
                       .on_copy = work->problem == &work->copy.problem};
   return line;

@@ -29,7 +29,7 @@ static int runs_away(const dlsi_auto *work) {
   dlsi_contact_apply(problem, delta, v);
   for (size_t k = 0; k < m; k++)
     v[k] /= work->w[k / d];
-  return dlsi_max_abs(v, m) <= dlsi_auto_runs_away * dlsi_max_abs(delta, m);
+  return dlsi_max_abs(v, m) <= 1e-10 * dlsi_max_abs(delta, m);
 }
 
 dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
@@ -50,10 +50,7 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
   }
-  if (!few && !sure &&
-      (problem->nc > dlsi_auto_sure_contacts ||
-       dlsi_auto_is_nearly_met(work, work->info.certificate.residual)))
-    return DLS_STALLED;
+  if (!few && !sure && (problem->nc > 2 || dlsi_auto_may_settle(work))) return DLS_STALLED;
   if (!dlsi_auto_may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
   if (!few && !sure && !runs_away(work)) return DLS_STALLED;

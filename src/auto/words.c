@@ -46,20 +46,6 @@ enum {
   reason_count = sizeof reason_texts / sizeof reason_texts[0]
 };
 
-static const dls_step step_of_part[parts] = {
-    [SWEEPS] = DLS_STEP_ANDERSON,
-    [SPLITTING] = DLS_STEP_SPLITTING,
-    [REST] = DLS_STEP_CONVEX,
-    [NEWTON] = DLS_STEP_NEWTON,
-    [AUGMENTED] = DLS_STEP_AUGMENTED,
-    [PIVOTING] = DLS_STEP_LEMKE,
-    [COLD_SPLITTING] = DLS_STEP_COLD_SPLITTING,
-    [HOMOTOPY] = DLS_STEP_HOMOTOPY,
-    [SCATTER] = DLS_STEP_SCATTER,
-    [PUSH] = DLS_STEP_MOMENTUM,
-    [SETTLE] = DLS_STEP_NEAR_SPLITTING,
-};
-
 const char *dls_step_name(dls_step which) {
   return (int)which >= 0 && (int)which < step_count ? step_names[which] : NULL;
 }
@@ -77,17 +63,13 @@ const char *dls_reason_text(dls_reason reason) {
   return (int)reason >= 0 && (int)reason < reason_count ? reason_texts[reason] : NULL;
 }
 
-dls_step dlsi_auto_step_of(part k) {
-  return step_of_part[k];
-}
-
 /* ---- the caller's words ---------------------------------------------------------------------- */
 
 /* Returns the part that a step of a plan runs; of "sweeps" SWEEPS; END if it is no word of one. */
 static part part_of_step(dls_step which) {
   if (which == DLS_STEP_SWEEPS) return SWEEPS;
   for (part k = 0; k < parts; k++)
-    if (step_of_part[k] == which) return k;
+    if (dlsi_auto_kind[k].step == which) return k;
   return END;
 }
 

@@ -1,16 +1,16 @@
 /*
  * limit.c: the largest load that is carried, between a certified answer and a proof (limit.h).
  *
- *   (LL1)  trial lambda: f = f0 + lambda f1, mu = mu + lambda mu1, dls_reduction_solve, warm from the
- *          answer at `carried`, cold if that ends without a verdict
+ *   (LL1)  trial lambda: f = f0 + lambda f1, friction mu + lambda mu1, dls_reduction_solve, warm
+ *          from the answer at `carried`, cold if that ends without a verdict
  *   (LL2)  certified: carried := lambda. Nothing refused yet: 16 times as far next
  *   (LL3)  a motion b: it proves for every lambda with b.f0 + lambda b.f1 > margin, which gives
  *          `refused`; next trial inside its zero, by 3/4 tol
  *   (LL4)  neither: 8 times as far from `refused`, then half way between `carried` and the trial
  *
- * (LL3) is Newton's method on the concave function that the motions bound from above: few trials, as
- * each gives the facet of the admissible loads behind it. Cost: a solve a trial. Fails where trials
- * near the limit have no verdict: both sides stand, further apart.
+ * (LL3) is Newton's method on the concave function that the motions bound from above: few trials,
+ * as each gives the facet of the admissible loads behind it. Cost: a solve a trial. Fails where
+ * trials near the limit have no verdict: both sides stand, further apart.
  */
 #include <float.h>
 #include <math.h>

@@ -14,6 +14,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 import numpy as np
 import scipy.io
@@ -1440,7 +1441,8 @@ class Gallery(unittest.TestCase):
         """102 blocks, at whose limit most pivots of a sparse matrix wait for its last front."""
         with open("examples/python/limit.py") as file:
             program = file.read().replace("= 6, 4, 1.0, 0.5, 0.65", "= 12, 8, 1.0, 0.5, 0.3")
-        with contextlib.redirect_stdout(io.StringIO()) as printed:
+        with unittest.mock.patch.object(sys, "argv", ["limit.py"]), \
+                contextlib.redirect_stdout(io.StringIO()) as printed:
             exec(compile(program, "limit.py", "exec"), {"__name__": "wall"})
         self.assertIn("102 blocks, 548 contacts", printed.getvalue())
         self.assertIn("True", printed.getvalue())
