@@ -3,15 +3,15 @@
  *
  *   K x = f0 + lambda f1 + H r,   u = H^T x + g,   friction mu + lambda mu1
  *
- * From lambda = settings.from, where there has to be an answer, towards settings.to: the last lambda
- * at which an answer was certified, and beyond it the first one at which a rigid motion b proves
- * that there is none,
+ * From lambda = settings.from, where there has to be an answer, towards settings.to: the last
+ * lambda at which an answer was certified, and beyond it the first one at which a rigid motion b
+ * proves that there is none,
  *
  *   K b = 0,   b.(f0 + lambda f1) > 0,   (H^T b)_n >= mu |(H^T b)_t| at each contact.
  *
  * b is the mechanism of collapse. For bodies that only contact holds (K = 0, or K of free bodies)
- * both meet: a load that no answer carries has such a motion (Farkas; limit analysis). They are then
- * the limit of the associated law, which bounds that of Coulomb's law from above: with friction an
+ * both meet: a load that no answer carries has such a motion (Farkas; limit analysis). They are the
+ * limit of the associated law, which bounds that of Coulomb's law from above: with friction an
  * answer at a smaller load may still be left on another path. limit.unique says whether the answer
  * at `carried` is the only one. A body that K holds carries every load.
  *
@@ -65,7 +65,9 @@ typedef struct dls_limit {
  * DLS_OK: both sides meet to tol, or `to` is reached. DLS_MAX_ITERATIONS: `most` solves.
  * DLS_STALLED: trials next to `carried` were neither certified nor proved; both sides stand. Where
  * nothing is certified at `from`, the status of dls_reduction_solve there: then r, x are those of
- * that solve, carried = NAN, and refused = from if that is proved. The last load of the reduction stays that of some trial. Allocates.
+ * that solve, carried = NAN, and refused = from if that is proved. The reduction keeps the load of
+ * some trial. Allocates.
+ *
  * Errors: DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_SETTINGS, DLS_E_MEMORY, and those of
  * dls_reduction_load and dls_reduction_solve. */
 DLS_API DLS_MUST_USE dls_status dls_limit_load(dls_reduction *reduction, const double *f0,

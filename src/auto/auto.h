@@ -230,8 +230,8 @@ extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
 
 /* ---- plan.c ---------------------------------------------------------------------------------- */
 
-/* What a step runs: its name, its method, whether it is open (NULL: always), its limit of iterations
- * (0: that of the method). */
+/* What a step runs: its name, its method, whether it is open (NULL: always), its limit of
+ * iterations (0: that of the method). */
 typedef struct step_kind {
   dls_step step;
   const dlsi_method *method;
