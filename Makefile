@@ -696,7 +696,7 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
-MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene solve info chart map profile report)
+MAN1 = delassus.1 $(patsubst %,delassus-%.1,scene solve info chart map profile report study)
 # problems that the guide solves
 DATA := $(wildcard data/fclib/*.hdf5 data/lcp/*.mtx data/failures/*.txt)
 # the pages of the guide; the others are about the source

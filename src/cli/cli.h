@@ -26,6 +26,7 @@ int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_moving(int argc, char **argv);
 int command_report(int argc, char **argv);
+int command_study(int argc, char **argv);
 
 enum { PATH_ROOM = 4096 }; /* of a path */
 
@@ -73,7 +74,8 @@ typedef struct csv_table {
   char head[LONGEST_LINE], line[LONGEST_LINE];
 } csv_table;
 
-/* Opens DIRECTORY/NAME and reads its columns; returns 0 if it cannot be read. */
+/* Opens DIRECTORY/NAME, or NAME where directory is NULL, and reads its columns; returns 0 if it
+ * cannot be read. */
 int csv_open(csv_table *t, const char *directory, const char *name);
 
 /* Reads the next row, past comments; returns 0, and closes the file, after the last. */
@@ -103,6 +105,7 @@ typedef struct problem {
   dls_fe_scene *scene;       /* NULL: none */
   dls_moving *moving;
   double *own;              /* of a scene in steps */
+  double *friction;         /* in place of that of a file or a scene, or NULL */
   dls_reduction *reduction; /* NULL for a local problem */
   dls_model model;          /* of a global one; n = 0: none */
   const double *f, *g, *mu;
@@ -119,6 +122,10 @@ typedef struct problem {
  * scene. Prints the note. Returns 1; 0 after a complaint, or silently after Ctrl-C. */
 int problem_open(const char *name, const struct source *wanted, problem *p);
 
+/* Reads mu of `wanted` for the problem at hand and, with loads = 1, f and g (or q) for its
+ * matrices. K stays factorised. 0 after a complaint. */
+int problem_reload(const char *name, const struct source *wanted, int loads, problem *p);
+
 /* named.c: the problem of a scene, of one step where it goes in steps. */
 dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
                             dls_error *error);
@@ -126,6 +133,9 @@ dls_status problem_of_scene(const char *name, const struct source *from, problem
 /* place.c: reduces p->model to W with the loads f, g, or takes it on K if `from` is for `solve` and
  * allows it. */
 dls_status problem_condense(problem *p, const struct source *from, dls_error *error);
+
+/* Loads f and g into the reduction; sets p->contact and p->on_K. */
+dls_status problem_take_load(problem *p, dls_error *error);
 
 /* Works as dls_reduction_create, on W. */
 dls_status reduce_to_W(dls_reduction **out, const dls_model *model, dls_error *error);
@@ -236,6 +246,9 @@ typedef struct command {
  * with. */
 enum { GO_ON = -1 };
 int take_options(int argc, char **argv, const command *command, void *data);
+
+/* Takes the option --NAME=TEXT of a command. */
+taken take_named(const command *command, const char *name, const char *text, void *data);
 
 /* Complains of the number of names after the options of command `name`; returns EXIT_BAD_INPUT. */
 int wrong_names(const char *name);

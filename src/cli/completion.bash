@@ -19,7 +19,7 @@ _delassus() {
       else
         case $command in
         scene) names=$(delassus help scenes 2>/dev/null | cut -d' ' -f1) ;;
-        solve | info | chart | map | profile | report) names=$(delassus help scenes 2>/dev/null | cut -d' ' -f1) ;;
+        solve | info | chart | map | profile | report | study) names=$(delassus help scenes 2>/dev/null | cut -d' ' -f1) ;;
         help) names="$(delassus help commands 2>/dev/null) methods scenes" ;;
         esac
       fi ;;

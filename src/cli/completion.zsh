@@ -26,7 +26,7 @@ _delassus() {
     return
   fi
   case $command in
-  scene | solve | info | chart | map | profile | report)
+  scene | solve | info | chart | map | profile | report | study)
     names=(${(f)"$(delassus help scenes 2>/dev/null | cut -d' ' -f1)"})
     compadd -a names ;;
   help)

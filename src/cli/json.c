@@ -29,7 +29,9 @@ static int cut_fields(char *line, char **field) {
 int csv_open(csv_table *t, const char *directory, const char *name) {
   char path[PATH_ROOM];
   t->columns = 0;
-  t->file = join_path(path, directory, name) ? fopen(path, "r") : NULL;
+  t->file = !directory                         ? fopen(name, "r")
+            : join_path(path, directory, name) ? fopen(path, "r")
+                                               : NULL;
   while (t->file && !t->columns && fgets(t->head, sizeof t->head, t->file))
     if (t->head[0] != '#') t->columns = cut_fields(t->head, t->column);
   if (t->columns) return 1;

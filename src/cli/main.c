@@ -23,6 +23,8 @@ static void program_usage(FILE *out) {
         "  delassus map NAME...  which method works up to which friction: a picture\n"
         "  delassus profile NAME...   each method on many problems: performance profiles\n"
         "  delassus report NAME...    a page: how accurate, fast and stable, and what is enough\n"
+        "  delassus study --table=CASES.csv ...   many cases: a line of JSON each, K factorised "
+        "once\n"
         "\n"
         "  delassus help [COMMAND | methods | scenes]\n"
         "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
@@ -66,7 +68,7 @@ static const struct {
 } commands[] = {{"scene", run_scene_command}, {"solve", command_solve},
                 {"info", command_info},       {"chart", command_chart},
                 {"map", command_map},         {"profile", command_profile},
-                {"report", command_report}};
+                {"report", command_report},   {"study", command_study}};
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 /* Returns the place of a command, -1 for none. */

@@ -502,18 +502,62 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
   return !array_is_calculix(path) || read_numbering(path, model->n, own);
 }
 
+/* Reads the friction, of the same number of candidates each time. */
+static int load_friction(const matrix_options *o, problem *p) {
+  struct matrices *own = p->matrices;
+  const int candidates = o->W ? p->contact.nc : o->weights ? p->model.P.cols : p->model.nodes;
+  free(own->mu);
+  if (!read_friction(o->mu, candidates, &own->mu)) return 0;
+  for (int c = 0; o->HN && !o->HT && c < candidates; c++) /* without tangents there is none */
+    if (own->mu[c] != 0) return refuse("--mu: friction needs the tangents, --HT");
+  if (o->HN && !o->HT) p->model.mu = own->mu;
+  p->mu = p->contact.mu = own->mu;
+  return 1;
+}
+
+/* Reads f and g, or q. */
+static int load_loads(const matrix_options *o, problem *p) {
+  struct matrices *own = p->matrices;
+  dls_model *model = &p->model;
+  double **const old[] = {&own->f, &own->g, &own->q};
+  for (int k = 0; k < 3; k++) {
+    free(*old[k]);
+    *old[k] = NULL;
+  }
+  if (o->W ? !read_vector("q", o->q, p->contact.W.rows, &own->q)
+           : !read_gaps(o->g, model->d, model->nodes, &own->g) ||
+                 !read_loads(o->f, model->d, model->n, own->node || o->nodes, own))
+    return 0;
+  p->f = own->f;
+  p->g = own->g;
+  p->contact.q = own->q;
+  return 1;
+}
+
+int matrices_load_data(const matrix_options *o, int loads, problem *p) {
+  return load_friction(o, p) && (!loads || load_loads(o, p));
+}
+
+int friction_load(const matrix_options *o, problem *p) {
+  if (!o->mu) return 1;
+  free(p->friction);
+  p->friction = NULL;
+  if (!read_friction(o->mu, p->contact.nc, &p->friction)) return 0;
+  p->mu = p->contact.mu = p->friction;
+  return 1;
+}
+
 static int load_condensed(const matrix_options *o, problem *p) {
   struct matrices *own = p->matrices;
   int m = 0;
   if (!read_square("W", o->W, &m, &own->K)) return 0;
   const int d = find_dimension(o, m);
-  if (!d || !read_vector("q", o->q, m, &own->q) || !read_friction(o->mu, m / d, &own->mu)) return 0;
-  p->contact =
-      (dls_contact){.d = d, .nc = m / d, .W = {m, m, m, own->K}, .q = own->q, .mu = own->mu};
+  if (!d) return 0;
+  p->contact = (dls_contact){.d = d, .nc = m / d, .W = {m, m, m, own->K}};
   if (!o->dim)
     (void)snprintf(p->note, sizeof p->note,
                    "%dD: %d rows of --W for %d contacts; --dim says it otherwise", d, m, m / d);
-  return 1;
+  return matrices_load_data(o, 1, p);
 }
 
 /* ---- the problem ----------------------------------------------------------------------------- */
@@ -602,24 +646,12 @@ int matrices_load(const matrix_options *o, problem *p) {
     if (!sparse_read(o->weights, &own->P)) return 0;
     model->P = own->P.view;
   }
-  const int candidates = o->weights ? model->P.cols : model->nodes;
-  if (!read_friction(o->mu, candidates, &own->mu) ||
-      !read_gaps(o->g, model->d, model->nodes, &own->g) ||
-      !read_loads(o->f, model->d, model->n, own->node || o->nodes, own))
-    return 0;
-  if (o->HN && !o->HT) { /* without tangents there is no friction */
-    for (int c = 0; c < candidates; c++)
-      if (own->mu[c] != 0) return refuse("--mu: friction needs the tangents, --HT");
-    model->mu = own->mu;
-  }
+  if (!matrices_load_data(o, 1, p)) return 0;
   if (own->X && !place_contacts(p)) return 0;
   p->smooth = o->HN && !o->HT;
   say_missing(o, p);
   hint_operators(model);
   hint_gaps(own->g, model->d, model->nodes);
-  p->f = own->f;
-  p->g = own->g;
-  p->mu = own->mu;
   return 1;
 }
 

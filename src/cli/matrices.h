@@ -26,6 +26,12 @@ int matrices_given(const matrix_options *options);
  * complaint; free p in both cases. */
 int matrices_load(const matrix_options *options, problem *p);
 
+/* Reads mu anew, and with loads = 1 f and g, or q. */
+int matrices_load_data(const matrix_options *options, int loads, problem *p);
+
+/* Reads --mu, if it is given, in place of the friction of a file or a scene. */
+int friction_load(const matrix_options *options, problem *p);
+
 /* The problem that a command is asked for, beside its name. Start from {0}. */
 typedef struct source {
   matrix_options matrices;

@@ -75,6 +75,15 @@ static taken take_row(const command *c, const option_row *row, const char *text,
   }
 }
 
+taken take_named(const command *c, const char *name, const char *text, void *data) {
+  nearest near = {.word = name};
+  for (const option_row *row = c->options; row->name; row++) {
+    if (row->has_value && !strcmp(row->name, name)) return take_row(c, row, text, data);
+    if (row->has_value) nearest_try(&near, row->name);
+  }
+  return (taken)refuse("'%s' is no option with a value%s", name, nearest_words(&near));
+}
+
 int take_options(int argc, char **argv, const command *c, void *data) {
   struct option rows[MOST_OPTIONS + 1] = {{0}};
   char keys[2 * MOST_OPTIONS + 2] = ":"; /* no words of getopt */

@@ -12,6 +12,11 @@ static dls_status problem_take_contact(problem *p, dls_error *error) {
   return DLS_OK;
 }
 
+dls_status problem_take_load(problem *p, dls_error *error) {
+  const dls_status status = dls_reduction_load(p->reduction, p->f, p->g, error);
+  return status ? status : problem_take_contact(p, error);
+}
+
 dls_status reduce_to_W(dls_reduction **out, const dls_model *model, dls_error *error) {
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
@@ -27,8 +32,7 @@ dls_status problem_condense(problem *p, const source *from, dls_error *error) {
   settings.progress = show_reduction;
   const double start = cpu_seconds();
   dls_status status = dls_reduction_create(&p->reduction, &p->model, &settings, error);
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-  if (!status) status = problem_take_contact(p, error);
+  if (!status) status = problem_take_load(p, error);
   p->reduction_cpu_seconds = cpu_seconds() - start;
   return status;
 }

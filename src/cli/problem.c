@@ -137,6 +137,14 @@ int problem_open(const char *name, const source *wanted, problem *p) {
   return !status;
 }
 
+int problem_reload(const char *name, const source *wanted, int loads, problem *p) {
+  dls_error error = {0};
+  if (!p->matrices) return friction_load(&wanted->matrices, p);
+  if (!matrices_load_data(&wanted->matrices, loads, p)) return 0;
+  if (loads && p->reduction && problem_take_load(p, &error)) return complain_of(name, &error), 0;
+  return 1;
+}
+
 /* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
  * stderr for each. Returns how many names are left, in front. */
 static int leave_lcps(int count, char **names) {
@@ -179,6 +187,7 @@ void problem_free(problem *p) {
   dls_fe_scene_destroy(p->scene);
   dls_moving_destroy(p->moving);
   free(p->own);
+  free(p->friction);
   matrices_free(p->matrices);
 }
 

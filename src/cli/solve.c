@@ -6,16 +6,9 @@
 
 #include "cli.h"
 #include "hints.h"
-#include "matrices.h"
+#include "solve.h"
 
 enum { KEY_FORCES = 256 };
-
-typedef struct solve_options {
-  solver_options solver;
-  source from;
-  int lcp, proof, prove, print, explain;
-  const char *out, *csv, *history, *plot; /* NULL: none */
-} solve_options;
 
 static void solve_usage(FILE *out) {
   fputs("Usage: delassus solve [OPTION]... FILE|SCENE\n"
@@ -213,66 +206,92 @@ static dls_status prove(problem *p, outcome *o, double *r, double *u, double *x,
   return status;
 }
 
-/* Solves the problem in a file or, where options name matrices, of these. */
-static int solve_contact(const char *path, const solve_options *options) {
-  problem p = {0};
-  dls_solver *solver = NULL;
-  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
-  double *r = NULL, *u = NULL, *x = NULL;
-  int result = EXIT_BAD_INPUT;
+source solve_source(const solve_options *options) {
   source from = options->from;
   const dls_solver_settings *asked = &options->solver.settings;
   if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without ||
        asked->forces) &&
       !(from.matrices.where && !strcmp(from.matrices.where, "K")))
     from.matrices.on = DLS_ON_W;
+  return from;
+}
+
+void solution_free(solution *a) {
+  dls_solver_destroy(a->solver);
+  free(a->r);
+  free(a->u);
+  free(a->x);
+}
+
+dls_status problem_solve(problem *p, const solve_options *options, solution *a, outcome *o,
+                         dls_error *error) {
+  const size_t m = (size_t)p->contact.d * (size_t)p->contact.nc;
+  *o = (outcome){.d = p->contact.d, .nc = p->contact.nc};
+  a->r = malloc(m * sizeof *a->r);
+  a->u = malloc(m * sizeof *a->u);
+  if (p->reduction) a->x = malloc((size_t)p->model.n * sizeof *a->x);
+  if (!a->r || !a->u || (p->reduction && !a->x)) return no_memory(error);
+  dls_solver_settings settings = options->solver.settings;
+  settings.limits.blocks = p->contact.Wb.x ? p->contact.Wb.p[o->nc] : 0;
+  if (p->of_bodies) {
+    const dls_status counted = dls_bodies_count(&p->contact, &settings.limits.blocks, error);
+    if (counted) return counted;
+  }
+  const double start = cpu_seconds();
+  dls_status status = DLS_STALLED;
+  int mover = 0;
+  if (p->reduction)
+    status = dls_reduction_solve(p->reduction, p->mu, &settings, a->r, a->u, a->x, &o->info, error);
+  const double *motion =
+      status == DLS_NO_SOLUTION ? dls_reduction_motion(p->reduction, &mover) : NULL;
+  if (!p->reduction ||
+      (!p->on_K && !motion && has_vectors(status))) { /* which the solver on W has */
+    status = dls_solver_create(&a->solver, o->d, o->nc, &settings, error);
+    if (!status) status = dls_solver_solve(a->solver, &p->contact, a->r, a->u, &o->info, error);
+  }
+  o->solve_cpu_seconds = cpu_seconds() - start;
+  progress_end();
+  if (status < 0) return status;
+  o->freedom = !dls_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
+  o->proof = options->proof;
+  o->verdict = (verdict){.rows = o->nc,
+                         .stride = o->d,
+                         .farkas = a->solver ? dls_solver_farkas(a->solver) : NULL,
+                         .ray = a->solver ? dls_solver_direction(a->solver) : NULL,
+                         .motion = motion,
+                         .unknowns = p->model.n,
+                         .mover = mover};
+  verdict_fill(&o->verdict, status, 0);
+  return status;
+}
+
+/* Solves the problem in a file or, where options name matrices, of these. */
+static int solve_contact(const char *path, const solve_options *options) {
+  problem p = {0};
+  solution a = {0};
+  outcome o;
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
+  int result = EXIT_BAD_INPUT;
+  const source from = solve_source(options);
   if (!problem_open(path, &from, &p)) { /* a reduction may have been cancelled */
     if (was_interrupted()) result = end_command(EXIT_NOT_SOLVED, NULL);
     goto end;
   }
   problem_fit_threads(&p);
   if (is_verbose()) print_reduction(stderr, &p);
-  const size_t m = (size_t)p.contact.d * (size_t)p.contact.nc;
-  r = malloc(m * sizeof *r);
-  u = malloc(m * sizeof *u);
-  if (!r || !u) goto failed;
-  outcome o = {.d = p.contact.d, .nc = p.contact.nc};
-  dls_solver_settings settings = options->solver.settings;
-  settings.limits.blocks = p.contact.Wb.x ? p.contact.Wb.p[o.nc] : 0;
-  if (p.of_bodies && dls_bodies_count(&p.contact, &settings.limits.blocks, &error)) goto failed;
-  const double start = cpu_seconds();
-  dls_status status = DLS_STALLED;
-  int mover = 0;
-  if (p.reduction && (x = malloc((size_t)p.model.n * sizeof *x)) == NULL) goto failed;
-  if (p.reduction)
-    status = dls_reduction_solve(p.reduction, p.mu, &settings, r, u, x, &o.info, &error);
-  const double *motion =
-      status == DLS_NO_SOLUTION ? dls_reduction_motion(p.reduction, &mover) : NULL;
-  if (!p.reduction || (!p.on_K && !motion && has_vectors(status))) { /* which the solver on W has */
-    if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) goto failed;
-    status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
-  }
-  o.solve_cpu_seconds = cpu_seconds() - start;
-  progress_end();
+  const dls_status status = problem_solve(&p, options, &a, &o, &error);
   if (status < 0) goto failed;
+  double *const r = a.r, *const u = a.u;
   o.prove = options->prove && dls_solved(status) && !p.on_K;
-  if (o.prove && prove(&p, &o, r, u, x, &error)) goto failed;
-  o.freedom = !dls_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
+  if (o.prove && prove(&p, &o, r, u, a.x, &error)) goto failed;
   if (dls_solved(status) && !p.on_K && count_freedom(&p.contact, r, &o.freedom, &error))
     goto failed;
-  o.proof = options->proof;
-  o.verdict = (verdict){.rows = o.nc,
-                        .stride = o.d,
-                        .farkas = solver ? dls_solver_farkas(solver) : NULL,
-                        .ray = solver ? dls_solver_direction(solver) : NULL,
-                        .motion = motion,
-                        .unknowns = p.model.n,
-                        .mover = mover};
-  verdict_fill(&o.verdict, status, 0);
   const int wrong = !p.on_K && !dls_solved(status) &&
-                    o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
+                    o.info.certificate.residual > options->solver.settings.limits.tol &&
+                    !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
-  if (p.of_bodies && (options->out || options->print || options->csv) && recover(&p, r, &x, &error))
+  if (p.of_bodies && (options->out || options->print || options->csv) &&
+      recover(&p, r, &a.x, &error))
     goto failed;
   if (is_json())
     print_json(stdout, &o);
@@ -281,12 +300,12 @@ static int solve_contact(const char *path, const solve_options *options) {
   if (dls_solved(status) && p.matrices) hint_answer(&p, r);
   char room[UNSOLVED_ROOM];
   const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
-  if (options->out && write_solution(options->out, &p, r, u, x, unsolved, &error)) {
+  if (options->out && write_solution(options->out, &p, r, u, a.x, unsolved, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (options->csv && !write_results(options->csv, &p, &o, r, u, x, unsolved)) goto end;
-  if (options->print && !print_results(&p, &o, r, u, x)) goto end;
+  if (options->csv && !write_results(options->csv, &p, &o, r, u, a.x, unsolved)) goto end;
+  if (options->print && !print_results(&p, &o, r, u, a.x)) goto end;
   if (!is_json() && o.prove)
     print_proved(&o.proved);
   else if (!is_json())
@@ -296,11 +315,8 @@ static int solve_contact(const char *path, const solve_options *options) {
 failed:
   (void)complain_of(path, &error);
 end:
-  dls_solver_destroy(solver);
+  solution_free(&a);
   problem_free(&p);
-  free(r);
-  free(u);
-  free(x);
   return result;
 }
 
@@ -529,29 +545,46 @@ static taken take_solve_option(int key, const char *text, void *data) {
   return k >= 0 ? OPTION_TAKEN : OPTION_WRONG;
 }
 
+static const option_row solve_rows[] = {
+    SOLVER_OPTIONS(solve_options, solver),
+    ROW(A_COUNT, "facets", 'f', solve_options, solver.settings.facets),
+    ROW(A_TEXT, "out", 'o', solve_options, out),
+    ROW(A_TEXT, "output", 0, solve_options, out),
+    ROW(A_TEXT, "history", 'H', solve_options, history),
+    ROW(A_TEXT, "plot", 'P', solve_options, plot),
+    ROW(A_FLAG, "lcp", 0, solve_options, lcp),
+    ROW(A_FLAG, "proof", 'p', solve_options, proof),
+    ROW(A_FLAG, "prove", 0, solve_options, prove),
+    ROW(A_FLAG, "print", 0, solve_options, print),
+    ROW(A_TEXT, "csv", 0, solve_options, csv),
+    ROW(A_TEXT, "plan", 0, solve_options, solver.settings.plan),
+    ROW(A_TEXT, "without", 0, solve_options, solver.settings.without),
+    ROW(A_FLAG, "explain", 0, solve_options, explain),
+    VALUE("forces", KEY_FORCES),
+    SOURCE_OPTIONS(solve_options, from),
+    LAST_OPTIONS};
+const command solve_command = {solve_rows, solve_usage, take_solve_option, 0};
+
+void solve_options_init(solve_options *o) {
+  *o = (solve_options){.from = {.solves = 1}};
+  solver_options_init(&o->solver, 1e-8);
+}
+
+int settle_solve_options(solve_options *o) {
+  const dls_solver_settings *s = &o->solver.settings;
+  if ((o->explain || s->plan || s->without) && (s->method != DLS_AUTO || o->solver.accel_given))
+    return refuse("--plan, --without, --explain: are for auto");
+  if (o->solver.primal) return refuse("--method: gauss-seidel is for scenes");
+  if (!settle_solver_options(&o->solver)) return 0;
+  if (s->facets && s->method != DLS_LEMKE)
+    return refuse("--facets: is for contact problems and lemke");
+  return 1;
+}
+
 int command_solve(int argc, char **argv) {
-  static const option_row options[] = {
-      SOLVER_OPTIONS(solve_options, solver),
-      ROW(A_COUNT, "facets", 'f', solve_options, solver.settings.facets),
-      ROW(A_TEXT, "out", 'o', solve_options, out),
-      ROW(A_TEXT, "output", 0, solve_options, out),
-      ROW(A_TEXT, "history", 'H', solve_options, history),
-      ROW(A_TEXT, "plot", 'P', solve_options, plot),
-      ROW(A_FLAG, "lcp", 0, solve_options, lcp),
-      ROW(A_FLAG, "proof", 'p', solve_options, proof),
-      ROW(A_FLAG, "prove", 0, solve_options, prove),
-      ROW(A_FLAG, "print", 0, solve_options, print),
-      ROW(A_TEXT, "csv", 0, solve_options, csv),
-      ROW(A_TEXT, "plan", 0, solve_options, solver.settings.plan),
-      ROW(A_TEXT, "without", 0, solve_options, solver.settings.without),
-      ROW(A_FLAG, "explain", 0, solve_options, explain),
-      VALUE("forces", KEY_FORCES),
-      SOURCE_OPTIONS(solve_options, from),
-      LAST_OPTIONS};
-  static const command solve = {options, solve_usage, take_solve_option, 0};
-  solve_options o = {.from = {.solves = 1}};
-  solver_options_init(&o.solver, 1e-8);
-  const int stop = take_options(argc, argv, &solve, &o);
+  solve_options o;
+  solve_options_init(&o);
+  const int stop = take_options(argc, argv, &solve_command, &o);
   if (stop != GO_ON) return stop;
   const char *named = matrices_name(&o.from.matrices);
   if (!named && matrices_given(&o.from.matrices))
@@ -562,16 +595,10 @@ int command_solve(int argc, char **argv) {
   if (files != (named ? 0 : o.lcp && files == 2 ? 2 : 1)) return wrong_names(argv[0]);
   if (o.explain && is_json()) return complain("--explain, --json: one of the two");
   if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
-  const int steps = o.explain || o.solver.settings.plan || o.solver.settings.without;
-  if (steps && (o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
-    return complain("--plan, --without, --explain: are for auto");
   if (o.print && is_json()) return complain("--print, --json: one of the two");
   if (o.lcp && named) return complain("--lcp: goes without --W, --stiffness and --flexibility");
   const char *path = named ? named : argv[optind];
-  if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
-  if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
-  if (o.solver.settings.facets && o.solver.settings.method != DLS_LEMKE)
-    return complain("--facets: is for contact problems and lemke");
+  if (!settle_solve_options(&o)) return EXIT_BAD_INPUT;
   if (o.lcp && !suits_lcp(&o)) return EXIT_BAD_INPUT;
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};

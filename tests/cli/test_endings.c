@@ -35,6 +35,7 @@ static const ending endings[] = {
     {"map jean-fig4 --rows 2 -o @", 0, "solved"},
     {"map two-blocks --rows 2 --mu 0:0.3 -o @", 1, "not solved: not every run finishes"},
     {"map data/failures/c20-scales.txt --against rank --samples 1 --rows 1 -o @", 0, "solved"},
+    {"study jean-fig4 -o @/s", 0, "solved"},
     {"profile -r 1 jean-fig4 data/failures/c03-jam-above.txt -o @", 1,
      "not solved: auto fails on 1 of 2 problems"},
 };

@@ -185,7 +185,8 @@ START_TEST(short_options_mean_one_thing) {
                                          "info --help",
                                          "chart --help",
                                          "map --help",
-                                         "profile --help"};
+                                         "profile --help",
+                                         "study --help"};
   char meaning[128][40] = {{0}};
   int found = 0;
   for (size_t k = 0; k < sizeof commands / sizeof commands[0]; k++) {
@@ -216,6 +217,7 @@ static const char *const spoken[] = {
     "chart jean-fig3 -r 1 -o @/chart",
     "map jean-fig3 --rows 2 -o @/map",
     "profile -r 1 jean-fig3 -o @/profile",
+    "study jean-fig3 -o @/study",
     "map bar-impact --against mesh --rows 1 --mu 0:1 -m nlgs --limit .2 -o @/steps"};
 
 enum { SPOKEN = sizeof spoken / sizeof spoken[0] };
