@@ -80,7 +80,8 @@ static int write_map(const char *directory, const dls_moving_data *d) {
   fprintf(script,
           "  set multiplot layout 2,1\n"
           "  set title %s.': pressure r_n / length [%s]'\n"
-          "  set palette defined (0 '#f7f7f7', 0.01 '#fee8c8', 0.4 '#fdbb84', 0.7 '#e34a33', "
+          "  set palette maxcolors 0 defined (0 '#ffffff', 0.01 '#fee8c8', 0.4 '#fdbb84', 0.7 "
+          "'#e34a33', "
           "1 '#7f0000')\n"
           "  set cbrange [0:*]\n  set cbtics auto\n  set format cb '%%.2g'\n"
           "  plot 'map.dat' using 1:2:3 with image\n"

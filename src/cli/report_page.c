@@ -171,7 +171,9 @@ static int find_columns(const csv_table *t, const char *columns, int *which) {
 static void add_field(page *p, const char *text) {
   char *end;
   const double x = strtod(text, &end);
-  if (*text && !*end && strlen(text) > 6)
+  if (x != x)
+    page_cell(p, "-");
+  else if (*text && !*end && strlen(text) > 6)
     page_cell(p, "%.4g", x);
   else
     page_cell(p, "%s", text);
@@ -194,8 +196,10 @@ int page_csv(page *p, const char *directory, const char *name, const char *colum
   if (!csv_open(&t, directory, name)) return 0;
   p->columns = find_columns(&t, columns, which);
   p->cells = 0;
-  for (int j = 0; j < p->columns; j++)
-    page_cell(p, "%s", t.column[which[j]]);
+  for (int j = 0; j < p->columns; j++) {
+    const char *column = t.column[which[j]];
+    page_cell(p, "%s", strcmp(column, "times_fastest") ? column : "over the fastest");
+  }
   while (csv_next(&t)) {
     if (!row_counts(&t, only) || row++ < count - rows) continue;
     for (int j = 0; j < p->columns; j++)
