@@ -189,7 +189,6 @@ help:
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
 	@echo 'make bench-lanes     a sweep over groups of eight contacts beside one by one'
-	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-dynamics  columns of spheres that collapse, each step warm beside cold; BENCH=--large'
 	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
@@ -332,7 +331,7 @@ check: deps
 
 .PHONY: check-build
 # the benchmarks that need nothing but the library; those beside others are in PEER_BENCHES
-BENCHES = auto blocks bodies derive dynamics hard lanes least papers problems prove report steps trust
+BENCHES = auto bodies derive dynamics hard lanes least papers problems prove report steps trust
 TESTED = all $(TESTS) $(ROUNDED) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
 check-build: $(TESTED)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
@@ -567,7 +566,6 @@ $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c) $(FUZZ_CLI) $(FE) $(FILES) $(A)
-$(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/dynamics: $(call bench_obj,dynamics) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
@@ -585,7 +583,7 @@ $(BUILD)/bench/%:
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
-.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion bench-global
+.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-scale bench-motion bench-global
 bench-lemke bench-solvers bench-reduction bench-global: bench-%:
 	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
@@ -619,8 +617,6 @@ bench-regret:
 	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/regret
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/regret --out $(RESULTS) $(BENCH)
-bench-blocks: $(BUILD)/bench/blocks
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
 bench-dynamics: $(BUILD)/bench/dynamics

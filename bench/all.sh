@@ -45,7 +45,6 @@ motion
 trust
 derive
 least
-blocks
 steps
 END
 "$0" page bodies --rounds 7 || status=1 # alone, on two threads

@@ -340,21 +340,20 @@ START_TEST(mtx_under_another_locale) {
 }
 END_TEST
 
+/* An error that tells of memory, and of no argument. */
+static int of_memory(const dls_error *e) {
+  check_error(e, e->status, DLS_E_MEMORY, "", -1);
+  return 1;
+}
+
 START_TEST(mtx_malloc_fails) {
   write_text(path, good_mtx[0].text);
   int rows = -7, cols = -8;
   double *a = NULL;
-  long k = 1;
-  for (;; k++) {
-    dls_error error = {0};
-    malloc_fails_at(k);
-    const dls_status status = dls_mtx_read(path, &rows, &cols, &a, &error);
-    malloc_fails_at(0);
-    if (status == DLS_OK) break;
-    check_error(&error, status, DLS_E_MEMORY, "", -1);
-    ck_assert(a == NULL && rows == -7 && cols == -8);
-  }
-  ck_assert_int_eq(k, 2); /* one allocation of our own */
+  dls_error e = {0};
+  MALLOCS_FAIL(dls_mtx_read(path, &rows, &cols, &a, &e),
+               !a && rows == -7 && cols == -8 && of_memory(&e), DLS_OK, 1);
+  ck_assert_int_eq(mallocs_failed, 1); /* one allocation of our own */
   dls_mtx_free(a);
   (void)remove(path);
 }
@@ -1458,55 +1457,25 @@ START_TEST(write_arguments) {
 END_TEST
 
 START_TEST(fclib_malloc_fails) {
+  dls_error e = {0};
   for (int global = 0; global < 2; global++) {
     ck_assert_int_eq(global ? write_model3(NULL) : write_local2(NULL), DLS_OK);
-    long k = 1;
-    for (;; k++) {
-      dls_fclib *file = (dls_fclib *)&file;
-      dls_error error = {0};
-      malloc_fails_at(k);
-      const dls_status status = dls_fclib_read(&file, path, &error);
-      malloc_fails_at(0);
-      no_handle_is_open();
-      if (status == DLS_OK) {
-        dls_fclib_destroy(file);
-        break;
-      }
-      ck_assert_ptr_null(file);
-      check_error(&error, status, DLS_E_MEMORY, "", -1);
-    }
-    ck_assert_int_gt(k, 15);
+    dls_fclib *file;
+    MALLOCS_FAIL((file = (dls_fclib *)&file, dls_fclib_read(&file, path, &e)),
+                 (no_handle_is_open(), !file && of_memory(&e)), DLS_OK, 15);
+    no_handle_is_open();
+    dls_fclib_destroy(file);
     (void)remove(path);
-
-    for (k = 1;; k++) {
-      dls_error error = {0};
-      malloc_fails_at(k);
-      const dls_status status = global ? write_model3(&error) : write_local2(&error);
-      malloc_fails_at(0);
-      no_handle_is_open();
-      if (status == DLS_OK) break;
-      check_error(&error, status, DLS_E_MEMORY, "", -1);
-      ck_assert(!exists(path));
-    }
-    ck_assert_int_gt(k, 4);
+    MALLOCS_FAIL(global ? write_model3(&e) : write_local2(&e),
+                 (no_handle_is_open(), !exists(path) && of_memory(&e)), DLS_OK, 4);
+    no_handle_is_open();
   }
   /* the mirrored lower triangle takes memory of its own */
   dls_model model = model3;
   model.factorization = DLS_CHOLESKY;
   (void)remove(path);
-  for (long k = 1;; k++) {
-    dls_error error = {0};
-    malloc_fails_at(k);
-    const dls_status status =
-        dls_fclib_write_global(path, &model, f3, g6, mu3, NULL, NULL, NULL, NULL, &error);
-    malloc_fails_at(0);
-    if (status == DLS_OK) {
-      ck_assert_int_gt(k, 10);
-      break;
-    }
-    check_error(&error, status, DLS_E_MEMORY, "", -1);
-    ck_assert(!exists(path));
-  }
+  MALLOCS_FAIL(dls_fclib_write_global(path, &model, f3, g6, mu3, NULL, NULL, NULL, NULL, &e),
+               !exists(path) && of_memory(&e), DLS_OK, 10);
   (void)remove(path);
 }
 END_TEST

@@ -546,20 +546,10 @@ START_TEST(every_failing_malloc_unwinds) {
     const dls_contact p = random_problem(d, NC, 0.5, 2);
     const dls_solver_settings s = lemke_to(1e-12);
     double r[MOST] = {9};
-    dls_status status = DLS_E_MEMORY;
-    long failed = 0;
-    for (long at = 1; status == DLS_E_MEMORY; at++) {
-      dls_error e = {0};
-      malloc_fails_at(at);
-      status = dls_solve(&p, &s, r, NULL, NULL, &e);
-      malloc_fails_at(0);
-      if (status == DLS_E_MEMORY) {
-        failed++;
-        ck_assert(r[0] == 9 && e.status == DLS_E_MEMORY);
-      }
-    }
-    ck_assert_int_eq(status, DLS_OK);
-    ck_assert_int_eq(failed, 6); /* arrays, Lemke's, sweeps, 2 of steps, prediction */
+    dls_error e = {0};
+    MALLOCS_FAIL(dls_solve(&p, &s, r, NULL, NULL, &e), r[0] == 9 && e.status == DLS_E_MEMORY,
+                 DLS_OK, 6);
+    ck_assert_int_eq(mallocs_failed, 6); /* arrays, Lemke's, sweeps, 2 of steps, prediction */
   }
 }
 END_TEST

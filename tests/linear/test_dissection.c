@@ -191,16 +191,10 @@ END_TEST
 
 START_TEST(every_malloc_fails) {
   list_grid(2, 0);
-  dls_status status = DLS_E_MEMORY;
-  long k = 0;
-  while (status) {
-    dls_error e = {0};
-    malloc_fails_at(++k);
-    status = dlsi_dissection(G.n, G.entries, G.row, G.col, G.order, &e);
-    malloc_fails_at(0);
-    if (status) ck_assert(status == DLS_E_MEMORY && e.index == -1);
-  }
-  ck_assert_int_eq(k, 6);
+  dls_error e = {0};
+  MALLOCS_FAIL(dlsi_dissection(G.n, G.entries, G.row, G.col, G.order, &e), e.index == -1, DLS_OK,
+               5);
+  ck_assert_int_eq(mallocs_failed, 5);
 }
 END_TEST
 

@@ -281,14 +281,7 @@ START_TEST(memory_of_threads) {
   settings.acceleration = DLS_ACCELERATION_MOMENTUM;
   settings.limits.threads = 2;
   settings.limits.max_iterations = 1;
-  dls_status status = DLS_E_MEMORY;
-  for (long k = 1; status < 0; k++) {
-    malloc_fails_at(k);
-    status = dls_solve(p, &settings, r, NULL, NULL, NULL);
-    malloc_fails_at(0);
-    ck_assert(status == DLS_E_MEMORY || (status == DLS_MAX_ITERATIONS && k > 3));
-    ck_assert(status != DLS_E_MEMORY || r[0] == 0);
-  }
+  MALLOCS_FAIL(dls_solve(p, &settings, r, NULL, NULL, NULL), r[0] == 0, DLS_MAX_ITERATIONS, 3);
   settings.limits.threads = -1;
   dls_error error;
   ck_assert_int_eq(dls_solve(p, &settings, r, NULL, NULL, &error), DLS_E_ARGUMENT);

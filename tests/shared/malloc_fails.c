@@ -11,6 +11,7 @@ void *__wrap_malloc(size_t size);
 void *__wrap_calloc(size_t count, size_t size);
 void *__wrap_realloc(void *old, size_t size);
 
+long mallocs_failed;
 static atomic_long calls, fail_at; /* threads allocate at the same time */
 static atomic_size_t bytes;
 
