@@ -1462,7 +1462,7 @@ class Gallery(unittest.TestCase):
                                capture_output=True)
                 self.assertGreater(os.path.getsize(picture), 5000)
                 self.assertTrue(os.path.exists(f"docs/pictures/python-{name[:-3]}.png"))
-            self.assertEqual(len(os.listdir(directory)), 6)
+            self.assertEqual(len(os.listdir(directory)), len(names))
 
 
 class Library(unittest.TestCase):
