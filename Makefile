@@ -419,6 +419,7 @@ check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 check-names:
 	@tests/check_names.sh
 	@tests/check_public.sh
+	@tests/check_lines.sh
 
 # flags that make a wrong library are refused; FLAGS=all: other flags and compilers without a warning, too
 .PHONY: check-flags

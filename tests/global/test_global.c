@@ -789,8 +789,6 @@ END_TEST
 START_TEST(failing_mallocs) {
   solids T;
   dls_global *G = NULL;
-  dls_status status = DLS_OK;
-  long k;
   if (_i == 2)
     solids_plate(&T, 6, 2);
   else
@@ -802,38 +800,11 @@ START_TEST(failing_mallocs) {
   const dls_limits limits = {.tol = _i == 2 ? 1e-12 : 1e-8};
   for (int c = 0; c < nc; c++)
     mu[c] = .3;
-  for (k = 1; k < 200; k++) {
-    malloc_fails_at(k);
-    status = dls_global_create(&G, &T.model, NULL);
-    malloc_fails_at(0);
-    if (!status) break;
-    ck_assert_int_eq(status, DLS_E_MEMORY);
-    ck_assert_ptr_null(G);
-  }
-  ck_assert(!status && k > 20);
-  for (k = 1; k < 100; k++) {
-    malloc_fails_at(k);
-    status = dls_global_update(G, &T.model, NULL);
-    malloc_fails_at(0);
-    if (!status) break;
-    ck_assert_int_eq(status, DLS_E_MEMORY);
-  }
-  ck_assert(!status && k > 10);
-  int failed = 0;
-  for (k = 1; k < 2000; k++) {
-    malloc_fails_at(k);
-    status = dls_global_solve(G, T.f, T.g, mu, &limits, r, x, NULL, NULL);
-    const long asked = malloc_calls();
-    malloc_fails_at(0);
-    if (status != DLS_E_MEMORY) {
-      ck_assert_int_le(asked, k); /* not one that failed and was passed over */
-      break;
-    }
-    failed++;
-    ck_assert(largest(r, m) == 0 && largest(x, n) == 0);
-  }
-  ck_assert_int_eq(status, _i == 1 || _i == 3 ? DLS_NO_SOLUTION : DLS_OK);
-  ck_assert_int_gt(failed, 0);
+  MALLOCS_FAIL(dls_global_create(&G, &T.model, NULL), !G, DLS_OK, 20);
+  MALLOCS_FAIL(dls_global_update(G, &T.model, NULL), 1, DLS_OK, 10);
+  MALLOCS_FAIL(dls_global_solve(G, T.f, T.g, mu, &limits, r, x, NULL, NULL),
+               largest(r, m) == 0 && largest(x, n) == 0,
+               _i == 1 || _i == 3 ? DLS_NO_SOLUTION : DLS_OK, 1);
   dls_global_destroy(G);
   free(mu);
   free(r);
