@@ -99,7 +99,7 @@ static int says(const scanner *s, const char *text) {
 /* Reads word = digits, at most INT_MAX; returns 0 for any other word. */
 static int to_int(const scanner *s, int *value) {
   const char *end = s->word;
-  return dlsi_read_whole(&end, 0, INT_MAX, value) && end == s->word + s->length;
+  return dlsi_read_whole(&end, 0, INT_MAX, value) && (size_t)(end - s->word) == s->length;
 }
 
 /* Prints x with 17 significant digits, which read back to the same bits. */

@@ -145,6 +145,10 @@ START_TEST(bad_files) {
       {0, "%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 1\n", DLS_E_UNSUPPORTED, 1},
       {0, "%%MatrixMarket matrix coordinate real symmetric\n2 2 2000000000\n", DLS_E_FORMAT, 2},
       {0, "%%MatrixMarket matrix coordinate real general\n9 2147483647 1\n1 1 1\n", DLS_E_SIZE, 2},
+      {0, /* a row of 66 characters, more than a word holds */
+       "%%MatrixMarket matrix coordinate real general\n2 2 1\n"
+       "1'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa 1 1\n",
+       DLS_E_FORMAT, 3},
       {1, "1 2147483647 2\n", DLS_E_SIZE, 2},
       {1, "", DLS_E_FORMAT, 1},
       {1, "1 1 2\n2 1 3\n", DLS_E_FORMAT, 2},
