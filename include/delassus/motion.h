@@ -17,7 +17,7 @@
  * The laws, at each candidate to contact, with Coulomb's law on u_t+ and p in all of them:
  *
  *   velocity form   0 <= u_n+ + e u_n  _|_  p_n >= 0   where gap + forecast h u_n <= activation, or
- *                   gap <= 1e-4 h max |q| of a contact that was closed in the last step, q being u
+ *                   <= 1e-6 h max |q| of a contact that was closed in the last step, q being u
  *                   without contact; p = 0 elsewhere                (2.1)3-4, Moreau
  *   gap form        0 <= u_n+ + gap / h  _|_  p_n >= 0              (3.2)1; theta = 1 only
  *   path            no M: K x = f + H r; 0 <= gap+ _|_ r_n >= 0; the slip u_t is counted from the

@@ -6,8 +6,8 @@
  *   (MT1)  b = h (f - C v - K (x + h theta v)),   g = L^T v - y'
  *   (MT2)  g_n += e g_n in the velocity form;  g_n += gap / h in the gap form
  *   (MT3)  q = P^T g + H^T A^-1 b                                          (dls_reduction_load)
- *   (MT4)  closed contacts: velocity form: gap + forecast h u_n <= activation, or closed in the
- *          last step and gap <= 1e-4 h max |q|; else all
+ *   (MT4)  closed contacts: velocity form: gap + forecast h u_n <= activation, or <= 1e-6 h max |q|
+ *          if closed in the last step; else all
  *   (MT5)  p from u = W p + q and the laws of contact, for closed contacts; 0 for others
  *   (MT6)  A dv = b + H p                                               (dls_reduction_recover)
  *   (MT7)  v+ = v + dv,   x+ = x + h (v + theta dv)
@@ -34,9 +34,9 @@
 
 /* ---- the contact problem of a step ----------------------------------------------------------- */
 
-/* Part of the motion without contact in a step, h max |q|, up to which a gap that was closed stays
- * so. Rounding and the tolerance, 1e-12, open it by some 1e-12 of that in a step at rest. */
-static const double still_closed = 1e-4;
+/* Part of the motion without contact in a step, h max |q|, up to which the foreseen gap of a contact
+ * that was closed leaves it so. Rounding and the tolerance, 1e-12, open it by some 1e-12 of that in a step at rest. */
+static const double still_closed = 1e-6;
 
 /* (MT4) q: m, of the step; NULL where all are closed. */
 static void step_activate(dls_motion *motion, const double *q) {
@@ -51,8 +51,8 @@ static void step_activate(dls_motion *motion, const double *q) {
   for (int c = 0, a = 0; c < (int)motion->candidates; c++) {
     const int was = a < now->active && now->list[a] == c;
     a += was;
-    if (all || now->gap[c] + s->forecast * s->h * motion->uc[d * c] <= s->activation ||
-        (was && now->gap[c] <= still_closed * s->h * most))
+    const double foreseen = now->gap[c] + s->forecast * s->h * motion->uc[d * c];
+    if (all || foreseen <= s->activation || (was && foreseen <= still_closed * s->h * most))
       next->list[next->active++] = c;
   }
 }

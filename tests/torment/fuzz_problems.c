@@ -421,6 +421,7 @@ static void use_reduction(fuzz_bytes *b, dls_reduction *reduction, dls_model *mo
     const dls_status status = dls_reduction_update(reduction, &next, &error);
     FUZZ_CHECK(status <= 0);
     if (status == DLS_OK && next.n != model->n) FUZZ_CHECK(0);
+    if (status == DLS_OK) *model = next; /* on K another pattern is taken */
     look_at_reduction(b, reduction, model);
   }
 }
