@@ -33,7 +33,8 @@ static dls_status fixed_run(dls_global *work, double *g, double *x, double *r, d
     memcpy(work->x, x, (size_t)work->n * sizeof *x);
     dlsi_global_look(work, x, work->u);
     status = dlsi_global_measure(work, r, &now);
-    if (status == DLS_STALLED) status = dlsi_global_newton(work, r, hold_newton, error); /* (GF2) */
+    if (status == DLS_STALLED)
+      status = dlsi_global_newton(work, r, hold_newton, 0, error); /* (GF2) */
     if (status != DLS_STALLED) return status;
     dlsi_global_look(work, x, work->u); /* (GF3) */
     for (int c = 0; c < work->nc; c++)

@@ -380,7 +380,7 @@ static void solve_begin(dls_global *work, const double *f, const double *g, cons
   memset(work->flight, 0, (size_t)work->n * sizeof *work->flight);
   work->is_split = 0;
   work->body.balanced = work->body.blur = NULL;
-  work->iterations = work->factorisations = work->moves = 0;
+  work->iterations = work->factorisations = work->scattered = work->moves = 0;
   work->best = (dls_certificate){.residual = INFINITY, .body = -1};
 }
 
@@ -414,7 +414,7 @@ static dls_status solve_split(dls_global *work, dls_error *error) {
   const int spent = work->limits->max_iterations && work->iterations >= most;
   if (status != dlsi_split_first &&
       !(solve_failed(status) && dlsi_global_can_split(work) && !spent))
-    return status;
+    return solve_failed(status) && !spent ? dlsi_global_scatter(work, status, error) : status;
   double *kept = dlsi_alloc(n + m, sizeof *kept);
   dls_status then = kept ? DLS_OK : dlsi_no_memory(error);
   if (!then) {
@@ -429,6 +429,8 @@ static dls_status solve_split(dls_global *work, dls_error *error) {
     then =
         solve_and_land(work, work->limits->max_iterations ? most : work->iterations + most, error);
   }
+  if (solve_failed(then) && !(work->limits->max_iterations && work->iterations >= most))
+    then = dlsi_global_scatter(work, then, error);
   if (solve_failed(then)) { /* the first try has the better report */
     work->best = first;
     memcpy(work->best_x, kept, n * sizeof *kept);

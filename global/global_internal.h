@@ -47,6 +47,8 @@ struct dls_global {
   const dls_limits *limits;
   double begun;
   int iterations, factorisations;
+  int scattered;           /* Newton steps from scattered states, ... */
+  double unscattered;      /* ... and the residual before */
   const double *given;     /* n: the caller's f; NULL: 0 */
   const double *load;      /* n: the same, or f' once the own deformation is split off */
   double *f;               /* n: 0 in redundant joints */
@@ -136,9 +138,16 @@ dls_status dlsi_global_verdict(const dls_global *work, dls_status status);
 /* ---- newton.c -------------------------------------------------------------------------------- */
 
 /* Takes Newton steps from work->x and r (round, m) and measures each. hold: factor of E if the
- * states leave a motion free; 0: the steps end there. Returns as dlsi_global_measure, or an error.
- * Keeps x, spoils r and u. */
-dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_error *error);
+ * states leave a motion free; 0: the steps end there. draw: not 0: scattered steps (GN4). Returns
+ * as dlsi_global_measure, or an error. Keeps x, spoils r and u. */
+dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t draw,
+                              dls_error *error);
+
+/* ---- scatter.c ------------------------------------------------------------------------------- */
+
+/* Takes Newton steps from scattered states after a solve that failed. Returns `failed`, or the
+ * status of a pair found, or an error. Spoils x, r, u, before. */
+dls_status dlsi_global_scatter(dls_global *work, dls_status failed, dls_error *error);
 
 /* ---- interior.c ------------------------------------------------------------------------------ */
 

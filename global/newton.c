@@ -24,6 +24,11 @@
  *
  * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, after three
  * steps in a row that did not halve the smallest measure, or if the matrix is singular.
+ *
+ *   (GN4)  Scattered steps (scatter.c): a contact whose state is to change keeps it with
+ *          probability 1/2. E starts large and is halved by each step; s is drawn, too: with a
+ *          small one a contact that slips the wrong way sticks first. 30 steps.
+ *
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */
 #include <stdlib.h>
@@ -31,10 +36,11 @@
 
 #include "global_internal.h"
 
-enum { most_steps = 12, patience = 3 };
+enum { most_steps = 12, patience = 3, most_scattered = 30 };
 
 static const double delta = 1e-9;
 static const double least_beta = 1e-10; /* R / |tau|: keeps l finite if R vanishes */
+static const double fade = 0.5;         /* (GN4) */
 static const double stale = 0.1;        /* ratio of residuals above which factors are renewed */
 
 /* A contact under (GN1). */
@@ -55,10 +61,16 @@ typedef struct newton {
   int spatial;       /* 1: some contact slips in 3D */
   double hold;       /* E of (GN2) is hold E */
   double s;          /* of (GN1) */
+  uint64_t draw;     /* (GN4): where the draws are; 0: none */
 } newton;
 
-/* (GN1) Sets the branches; returns 1 if the unknowns have changed. */
-static int newton_sort(newton *N, const double *r) {
+/* Returns 1 if both are the same linear equations. */
+static int same_branch(int d, const branch *a, const branch *b) {
+  return a->state == b->state && (d == 3 || a->t[1] == b->t[1]);
+}
+
+/* (GN1), (GN4) Sets the branches; returns 1 if the unknowns have changed. */
+static int newton_sort(newton *N, const double *r, int first_step) {
   const dls_global *work = N->global;
   const int d = work->d;
   int changed = 0, first = 0;
@@ -87,8 +99,13 @@ static int newton_sort(newton *N, const double *r) {
       now.l = (R > least_beta * size ? (size - R) / R : 1 / least_beta) / N->s;
       N->spatial |= d == 3;
     }
+    if (N->draw && !first_step && !same_branch(d, &now, b) &&
+        dlsi_draw(N->draw += DLSI_GOLDEN_BITS) < 0.5) {
+      now = *b;
+      now.first = first;
+    }
     first += now.count;
-    changed |= now.state != b->state || (d == 2 && now.t[1] != b->t[1]);
+    changed |= !same_branch(d, &now, b);
     *b = now;
   }
   N->unknowns = first;
@@ -193,10 +210,12 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
   dls_global *work = N->global;
   double before = INFINITY, least = INFINITY;
   int slow = 0, fresh = 0;
-  for (int step = 0; step < most_steps && slow < patience; step++) {
-    const int changed = newton_sort(N, r);
+  const int most = N->draw ? most_scattered : most_steps;
+  for (int step = 0; step < most && (slow < patience || N->draw); step++) {
+    const int changed = newton_sort(N, r, step == 0), fades = N->draw && N->hold > 0;
     newton_base(N, r);
-    if (step == 0 || changed || (N->spatial && !fresh)) {
+    if (fades) N->hold = N->hold > hold ? N->hold * fade : 0;
+    if (step == 0 || changed || fades || (N->spatial && !fresh)) {
       dls_status status = newton_factor(N, error);
       work->factorisations++;
       if (status == DLS_E_SINGULAR && N->hold < hold) {
@@ -213,9 +232,9 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
     if (status != DLS_STALLED) return status;
     status = dlsi_tell(work->limits, work->begun,
                        &(dls_progress){.method = "global",
-                                       .stage = "newton",
+                                       .stage = N->draw ? "scatter" : "newton",
                                        .iteration = step + 1,
-                                       .max_iterations = most_steps,
+                                       .max_iterations = most,
                                        .residual = now.residual,
                                        .r = work->trial});
     if (status) return status;
@@ -229,9 +248,14 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
   return DLS_STALLED;
 }
 
-dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_error *error) {
-  newton N = {
-      .global = work, .hold = work->system->hold, .s = work->is_split ? fmin(1, work->rho) : 1};
+dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t draw,
+                              dls_error *error) {
+  newton N = {.global = work,
+              .hold = draw ? pow(10, -8 * dlsi_draw(draw)) : work->system->hold,
+              .s = draw             ? pow(10, -8 * dlsi_draw(draw + 1))
+                   : work->is_split ? fmin(1, work->rho)
+                                    : 1,
+              .draw = draw ? dlsi_mix(draw) | 1 : 0};
   dls_error why = {0};
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m +

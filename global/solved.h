@@ -7,4 +7,8 @@
 /* Returns 1 if the certificate is of the split problem (loads.c), which x in doubles hides. */
 int dlsi_global_is_split(const dls_global *global);
 
+/* Returns how many Newton steps from scattered states it took (scatter.c); *before := the residual
+ * before them. */
+int dlsi_global_scattered(const dls_global *global, double *before);
+
 #endif

@@ -200,7 +200,7 @@ static void split_resume(dls_global *work, double before) {
 /* (GL8) */
 static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *error) {
   const double before = dlsi_body_badness(&work->best);
-  const dls_status status = dlsi_global_newton(work, work->before, 0, error);
+  const dls_status status = dlsi_global_newton(work, work->before, 0, 0, error);
   s->newton = 2 * k;
   if (status == DLS_STALLED) split_resume(work, before);
   return status;

@@ -249,15 +249,30 @@ static dls_reason reason_on_K(dls_status status) {
 }
 
 /* Adds the outcome on K, which ended with `status`, to the outcome on W. */
-static void add_outcome(dls_info *all, const dls_info *on_K, dls_status status) {
-  if (all->stages == DLS_STAGES_MAX) all->stages--;
-  all->stage[all->stages++] = (dls_stage){.method = DLS_ADMM,
-                                          .iterations = on_K->iterations,
-                                          .factorisations = on_K->factorisations,
-                                          .residual = on_K->certificate.residual,
-                                          .step = DLS_STEP_ON_K,
-                                          .reason = reason_on_K(status)};
-  all->iterations += on_K->iterations;
+static void add_outcome(dls_info *all, const dls_info *on_K, dls_reduction *reduction,
+                        dls_status status) {
+  const companion *it = dlsi_reduction_body(reduction).companion;
+  double residual;
+  const int scattered = dlsi_global_scattered(it->global, &residual);
+  const dls_stage stages[] = {{.method = DLS_ADMM,
+                               .iterations = on_K->iterations,
+                               .factorisations = on_K->factorisations - scattered,
+                               .residual = scattered ? residual : on_K->certificate.residual,
+                               .step = DLS_STEP_ON_K,
+                               .reason = scattered ? DLS_REASON_NO_PROGRESS : reason_on_K(status)},
+                              {.method = DLS_NEWTON,
+                               .iterations = scattered,
+                               .factorisations = scattered,
+                               .residual = on_K->certificate.residual,
+                               .step = DLS_STEP_SCATTER,
+                               .reason = status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM
+                                             ? DLS_REASON_SPENT
+                                             : reason_on_K(status)}};
+  for (int k = 0; k < (scattered ? 2 : 1); k++) {
+    if (all->stages == DLS_STAGES_MAX) all->stages--;
+    all->stage[all->stages++] = stages[k];
+    all->iterations += stages[k].iterations;
+  }
   all->factorisations += on_K->factorisations;
   all->certificate = on_K->certificate;
   all->error = 0;
@@ -359,7 +374,7 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
   if (goes_on || of.on_K) {
     status = solve_on_K(reduction, mu, &s.limits, begun, answer, unknowns, &on_K, error);
     if (status >= 0) {
-      add_outcome(&outcome, &on_K, status);
+      add_outcome(&outcome, &on_K, reduction, status);
       if (!is_split(reduction)) {
         const dls_status measured = dlsi_reduction_certify(reduction, mu, answer, unknowns, tol,
                                                            position, &outcome.certificate, error);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/base.h"
 #include "delassus.h"
 #include "malloc_fails.h"
 #include "run.h"
@@ -263,6 +264,72 @@ START_TEST(wrong_behind_heat) {
 }
 END_TEST
 
+/* A free block between two walls, a floor and a ceiling, with much friction; x, r and states are
+ * planted at random. Splitting and Newton's method refuse 5 of the first 20; scattered states find
+ * an answer (global/scatter.c). The certificate is the judge. */
+START_TEST(large_friction) {
+  solids S;
+  static const int count[3] = {2, 3, 1};
+  const double walls[4][2] = {{cos(.3), sin(.3)}, {-cos(.3), sin(.3)}, {0, 1}, {0, -1}};
+  solids_new(&S, 2, 12, 14);
+  (void)solids_block(&S, count, 1);
+  for (int k = 0; k < 12; k++) {
+    if (k % 3 != 1) solids_contact(&S, k, -1, walls[k % 3 / 2], 0);
+    if (k < 3 || k > 8) solids_contact(&S, k, -1, walls[k < 3 ? 2 : 3], 0);
+  }
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes;
+  double *x = calloc(5 * (size_t)n, sizeof *x), *planted = x + n, *f = planted + n, *R = f + n;
+  double r[64], force[64], u[64], friction[32];
+  const double mu = _i ? 100 : 30;
+  int scattered = 0;
+  for (int seed = 0; seed < 20; seed++) {
+    const int k = 20 * _i + seed;
+    for (int j = 0; j < n; j++)
+      planted[j] = dlsi_draw_entry(k, j) - .5;
+    solids_apply(model, R, planted, f);
+    for (int c = 0; c < nc; c++) {
+      const double open = dlsi_draw_entry(k, n + c), slip = dlsi_draw_entry(k, n + nc + c);
+      const double push = dlsi_draw_entry(k, n + 2 * nc + c), side = slip < .5 ? -1 : 1;
+      double *rc = force + 2 * c, *uc = u + 2 * c;
+      friction[c] = mu;
+      rc[0] = rc[1] = uc[0] = uc[1] = 0;
+      if (open < .3)
+        uc[0] = push;
+      else {
+        rc[0] = .1 + push;
+        rc[1] = side * rc[0] * (open < .7 ? mu : push);
+        if (open < .7) uc[1] = -side * push;
+      }
+      const dls_sparse *H[2] = {&model->HN, &model->HT};
+      for (int i = 0; i < 2; i++)
+        for (int e = H[i]->p[c]; e < H[i]->p[c + 1]; e++) {
+          f[H[i]->i[e]] -= H[i]->x[e] * rc[i];
+          uc[i] -= H[i]->x[e] * planted[H[i]->i[e]];
+        }
+    }
+    dls_reduction *reduction;
+    dls_info info;
+    dls_certificate again;
+    ck_assert(!dls_reduction_create(&reduction, model, NULL, NULL));
+    ck_assert(!dls_reduction_load(reduction, f, u, NULL));
+    const dls_status status =
+        dls_reduction_solve(reduction, friction, NULL, r, NULL, x, &info, NULL);
+    ck_assert_msg(dls_solved(status), "%d: %s", seed, dls_status_text(status));
+    ck_assert(!dls_reduction_certify(reduction, friction, r, x, NULL, &again, NULL));
+    ck_assert_int_ne(dls_certificate_verdict(&again, 1e-8), DLS_STALLED);
+    char text[2000];
+    ck_assert_uint_lt(dls_explain(&info, text, sizeof text), sizeof text);
+    ck_assert(!strstr(text, "scatter") == !(info.stage[info.stages - 1].step == DLS_STEP_SCATTER));
+    scattered += info.stage[info.stages - 1].step == DLS_STEP_SCATTER;
+    dls_reduction_destroy(reduction);
+  }
+  ck_assert_int_gt(scattered, 0);
+  free(x);
+  solids_free(&S);
+}
+END_TEST
+
 /* Each allocation of a solve that splits, and of the certificate of its answer, fails in turn:
  * outputs stay as they were. */
 START_TEST(failing_mallocs_of_a_split) {
@@ -330,5 +397,5 @@ END_TEST
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
              EACH(grasp, 0, 4), EACH(warm_block, 0, 30), ONCE(wrong_behind_heat),
-             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8));
+             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8), EACH(large_friction, 0, 2));
 }
