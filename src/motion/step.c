@@ -34,8 +34,9 @@
 
 /* ---- the contact problem of a step ----------------------------------------------------------- */
 
-/* Part of the motion without contact in a step, h max |q|, up to which the foreseen gap of a contact
- * that was closed leaves it so. Rounding and the tolerance, 1e-12, open it by some 1e-12 of that in a step at rest. */
+/* Part of the motion without contact in a step, h max |q|, up to which the foreseen gap of a
+ * contact that was closed leaves it so. Rounding and the tolerance, 1e-12, open it by some 1e-12 of
+ * that in a step at rest. */
 static const double still_closed = 1e-6;
 
 /* (MT4) q: m, of the step; NULL where all are closed. */
