@@ -652,6 +652,10 @@ bench-papers: $(BUILD)/bench/papers demo
 bench-report: $(BUILD)/bench/report
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/report --out $(RESULTS) $(BENCH)
 
+.PHONY: bench-limit
+bench-limit: $(SO)
+	OPENBLAS_NUM_THREADS=1 RESULTS=$(RESULTS) DELASSUS_LIBRARY=$(SO) $(PYTHON) bench/limit.py
+
 .PHONY: bench-tables
 bench-tables: $(PROGRAM)
 	bench/tables.sh $(BUILD) $(RESULTS)

@@ -46,6 +46,7 @@ trust
 derive
 least
 steps
+limit
 END
 "$0" page bodies --rounds 7 || status=1 # alone, on two threads
 exit $status
