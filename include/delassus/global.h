@@ -84,8 +84,10 @@ DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_
  *   x       unknowns, n: in for a warm start, out                       length (velocity)
  *   info    or NULL: iterations, factorisations, certificate of (x, r); method is DLS_ADMM
  *
- * r, x must not overlap each other or the rest. Allocates the matrix of a Newton step, and
- * the vectors of an augmented Lagrangian, while it is tried, and what MUMPS and the factors do.
+ * Where the splitting and Newton's method find nothing, Newton steps from states that are drawn
+ * follow, up to 500 contacts: large friction leaves few answers that no descent leads to. r, x must
+ * not overlap each other or the rest. Allocates the matrix of a Newton step, and the vectors of an
+ * augmented Lagrangian, while it is tried, and what MUMPS and the factors do.
  *
  * DLS_OK; DLS_TO_ROUNDING: solved as well as double precision holds (x, r), the floors say how
  * well; DLS_NO_SOLUTION: proved, dls_global_motion shows why; DLS_NOT_IN_EQUILIBRIUM: a body's
