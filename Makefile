@@ -329,12 +329,14 @@ $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 check: deps
 	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install check-links check-docs QUICK=--quick
 
-.PHONY: check-build
+.PHONY: check-build check-build-1 check-build-2
 # the benchmarks that need nothing but the library; those beside others are in PEER_BENCHES
 BENCHES = auto bodies derive dynamics hard lanes least papers problems prove report steps trust
 TESTED = all $(TESTS) $(ROUNDED) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
-check-build: $(TESTED)
-	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
+check-build: check-build-1 check-build-2
+# two halves, for two cores
+check-build-1 check-build-2: check-build-%: $(TESTED)
+	@PYTHON='$(PYTHON)' HALF=$* tests/run.sh $(BUILD) $(TEST_RUNNER)
 
 # the library as it is without HDF5, MUMPS and OpenMP, and the tests of what that changes
 .PHONY: check-plain

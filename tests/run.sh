@@ -2,7 +2,8 @@
 # run.sh BUILD [RUNNER | --languages]: runs every test program of BUILD/tests under RUNNER (valgrind, say), from
 # the top of the repository, then every example against the expected output in its first comment. --languages:
 # those in C++, Fortran and Python alone. PYTHON: an interpreter with numpy and scipy, empty for none.
-# BUILD/times: the CPU seconds of each; the ten longest are printed at the end.
+# HALF=1, HALF=2: every second of them. BUILD/times, of a half BUILD/times.1 and .2: the CPU seconds of each; the ten
+# longest are printed at the end.
 set -u
 build=$1
 runner=${2:-}
@@ -10,7 +11,8 @@ languages=
 [ "$runner" = --languages ] && languages=1 && runner=
 passed=0
 failed=0
-times=$build/times
+times=$build/times${HALF:+.$HALF}
+count=0
 : >"$times"
 export OPENBLAS_NUM_THREADS=1
 export CK_TIMEOUT_MULTIPLIER=5 # a busy machine is no failure
@@ -36,10 +38,12 @@ clock() {
     "$times.now")
 }
 
-# run NAME COMMAND...: runs it, counts it, writes its time
+# run NAME COMMAND...: runs it if it is of this half, counts it, writes its time
 run() {
   name=$1
   shift
+  count=$((count + 1))
+  [ -z "${HALF:-}" ] || [ $((count % 2)) -eq $((HALF % 2)) ] || return 0
   clock
   before=$cpu
   if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $name"; fi
