@@ -95,7 +95,7 @@ MPI_CFLAGS := $(patsubst -I%,-isystem %,$(MPI_INCLUDES)) -DDLSI_MPI
 MPI_LIBS := -ldmumps -lscalapack-openmpi $(shell $(MPICC) --showme:link)
 endif
 
-LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/geometry src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/contact src/geometry src/linear src/facts src/auto src/front src/motion lcp vi vi/sweep vi/newton vi/split vi/path vi/primal reduction global))
 NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
@@ -109,12 +109,12 @@ EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
 ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
 ALL_C = $(LIB_SRC) $(FILES_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
-ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h global/*.h tests/*/*.h bench/*.h)
+ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h vi/*/*.h reduction/*.h global/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC)) $(MUMPS_O)
 # files and fe are libraries of their own: each carries the hidden functions that it shares with libdelassus
-base_obj = $(patsubst %,$(BUILD)/obj/src/base/%.o,status memory number check columns environment utf8 $(1))
+base_obj = $(call obj,$(foreach part,status memory number check columns environment utf8 $(1),$(wildcard src/base/$(part).c src/contact/$(part).c)))
 FILES_OBJ := $(call obj,$(FILES_SRC)) $(call base_obj,bodies entries joints lock model)
 FE_OBJ := $(call obj,$(FE_SRC) src/files/file.c src/files/output.c) $(call base_obj)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
@@ -214,7 +214,7 @@ $(BUILD)/obj/%.o: %.c Makefile
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/files/fclib%,$<),$(HDF5_CFLAGS)) $(if $(filter $(WITH_MUMPS),$<),$(MUMPS_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
-$(BUILD)/obj/src/base/products.o: CFLAGS += -O3
+$(BUILD)/obj/src/contact/products.o: CFLAGS += -O3
 $(BUILD)/obj/src/base/parallel.o: CFLAGS_ALL += $(OPENMP)
 
 # MUMPS of our own, whatever MUMPS and MPI the host has (docs/decisions.md): its entry gets the name dlsi_dmumps, all

@@ -14,7 +14,7 @@
 #ifndef GLOBAL_SCENES_H
 #define GLOBAL_SCENES_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/model.h"
 
 typedef enum scene_kind { STRIP, SHEETS, RIM, PLATE, TUBE, SCENE_KINDS } scene_kind;

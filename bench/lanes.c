@@ -15,7 +15,7 @@
 #include "common.h"
 #include "delassus.h"
 #include "rigid.h"
-#include "vi/groups.h"
+#include "vi/sweep/groups.h"
 
 enum { most_sizes = 8, columns = 5 }; /* one by one, 2, 4, 8 lanes, filling the groups */
 

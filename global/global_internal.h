@@ -8,8 +8,8 @@
 #ifndef DLSI_GLOBAL_H
 #define DLSI_GLOBAL_H
 
-#include "base/body.h"
-#include "base/columns.h"
+#include "contact/body.h"
+#include "contact/columns.h"
 #include "delassus/global.h"
 #include "linear/anderson.h"
 #include "linear/dense.h"

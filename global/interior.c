@@ -9,7 +9,7 @@
  *   Lorentz cones: r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. Below,
  *   z, g and H^T contain S.
  *
- *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, with
+ *   (GI2)  P with l = P p = P^-1 z (contact/cone.h). A direction for a right-hand side rc, with
  *          v = l \ rc and e = z - H^T x - g:
  *          (K + hold E + H P^-2 H^T) dx = f + H p - (K + hold E) x + H (P^-1 v + P^-2 e)
  *          dz = H^T dx - e,  dp = P^-1 v - P^-2 dz
@@ -19,7 +19,7 @@
  *   (GI4)  x, p, z += .99 times the largest step, at most 1
  *   (GI5)  ends when p.z is 1e-14 of f^T x or of the first p.z, or after 60 iterations
  *
- * Source: as vi/rest.c (AR7)-(AR9), the same method on W.
+ * Source: as vi/split/rest.c (AR7)-(AR9), the same method on W.
  * Cost: an analysis, 10 to 40 factorisations of a matrix with the entries of K + H R H^T, three
  * solves each. Fails: a matrix that is singular to rounding, or steps that become short. Then it
  * returns DLS_STALLED and keeps the last x.
@@ -27,7 +27,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/cone.h"
+#include "contact/cone.h"
 #include "global_internal.h"
 #include "linear/dissection.h"
 

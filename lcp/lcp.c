@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/exact.h"
+#include "contact/exact.h"
 #include "lcp_internal.h"
 
 dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error) {

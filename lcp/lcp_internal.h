@@ -5,7 +5,7 @@
 #ifndef LCP_INTERNAL_H
 #define LCP_INTERNAL_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
 #include "delassus/pivoting.h"

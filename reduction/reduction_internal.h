@@ -9,9 +9,9 @@
 #ifndef DLSI_REDUCTION_H
 #define DLSI_REDUCTION_H
 
-#include "base/base.h"
-#include "base/body.h"
-#include "base/columns.h"
+#include "contact/body.h"
+#include "contact/columns.h"
+#include "contact/contact.h"
 #include "delassus/reduction.h"
 #include "linear/operator.h"
 #include "linear/own.h"

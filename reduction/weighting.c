@@ -29,7 +29,7 @@
 #include <limits.h>
 #include <math.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/reduction.h"
 
 /* Distance of a middle node from the middle of its edge, over the edge: more than rounding. */

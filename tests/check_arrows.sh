@@ -1,7 +1,7 @@
 #!/bin/sh
 # check_arrows.sh BUILD [-v]: no arrow of the library runs up or sideways. The rooms, the floor first:
 #
-#   include <- src/base <- src/linear <- { lcp, vi, reduction, global, src/files } <- src/facts <- src/auto <- src/front <- src/motion <- src/fe <- src/cli
+#   include <- src/base <- src/contact <- src/linear <- { lcp, vi } <- { reduction, global, src/files } <- src/facts <- src/auto <- src/front <- src/motion <- src/fe <- src/cli
 #
 # Read from the sources: every #include. Read from the objects under BUILD/obj: every symbol that one file
 # defines and another uses. A public header belongs to the room whose file it names; a header that names none
@@ -16,21 +16,27 @@ trap 'rm -rf "$tmp"' EXIT
 cat >"$tmp/rooms" <<'END'
 include 0
 src/base 1
-src/linear 2
-lcp 3
-vi 3
-reduction 3
-global 3
-src/files 3
-src/geometry 2
-src/facts 4
-src/auto 5
-src/front 6
-src/motion 7
-src/fe 8
-src/mpi 8
-src/cli 9
-src/fortran 9
+src/contact 2
+src/linear 3
+src/geometry 3
+lcp 4
+vi 4
+vi/sweep 5
+vi/newton 6
+vi/primal 6
+vi/split 7
+vi/path 8
+reduction 9
+global 9
+src/files 9
+src/facts 10
+src/auto 11
+src/front 12
+src/motion 13
+src/fe 14
+src/mpi 14
+src/cli 15
+src/fortran 15
 END
 
 # the public headers and their rooms
@@ -63,7 +69,7 @@ END
 
 # includes: FILE HEADER, both from the top of the tree; a header is looked for beside its user, then in
 # include, in src and at the top
-sources=$(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] reduction/*.[ch] global/*.[ch] include/delassus/*.h)
+sources=$(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] vi/*/*.[ch] reduction/*.[ch] global/*.[ch] include/delassus/*.h)
 ls include/*.h $sources | awk '
   FNR == NR { is[$1] = 1; next }
   /^#include "/ {
@@ -76,7 +82,7 @@ ls include/*.h $sources | awk '
   }' - $sources >"$tmp/includes"
 
 # symbols: D or U, FILE, name
-(cd "$build/obj" && nm -A src/*/*.o lcp/*.o vi/*.o reduction/*.o global/*.o) | awk '
+(cd "$build/obj" && nm -A src/*/*.o lcp/*.o vi/*.o vi/*/*.o reduction/*.o global/*.o) | awk '
   { file = $1; sub(/\.o:.*/, ".c", file) }
   $(NF - 1) == "U" { print "U", file, $NF }
   $(NF - 1) ~ /^[TDRBWi]$/ { print "D", file, $NF }' >"$tmp/symbols"

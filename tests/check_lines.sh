@@ -10,7 +10,8 @@ while read -r room budget; do
   bad=1
 done <<END
 include 4922
-src/base 4886
+src/base 1312
+src/contact 3531
 src/linear 4094
 src/geometry 1194
 lcp 3448

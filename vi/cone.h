@@ -1,10 +1,10 @@
 /*
- * cone.h: the scales that make friction cones Lorentz cones, whose algebra is base/cone.h.
+ * cone.h: the scales that make friction cones Lorentz cones, whose algebra is contact/cone.h.
  */
 #ifndef DLSI_CONE_H
 #define DLSI_CONE_H
 
-#include "base/cone.h"
+#include "contact/cone.h"
 
 /* Sets the scales S (m) of r_c = S_c x_c that make friction cones Lorentz cones and give all scaled
  * W_cc the same mean diagonal. Returns that mean, 0 if W has no diagonal. Tangents without friction

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#include "base/base.h"
-#include "base/method.h"
+#include "contact/contact.h"
+#include "contact/method.h"
 #include "delassus/admm.h"
 #include "delassus/augmented.h"
 #include "delassus/newton.h"
@@ -87,7 +87,7 @@ void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double
 /* x' := T^-1 x: u - g at the contact nodes, also in place. */
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local);
 
-/* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
+/* ---- vi/sweep/momentum.c: momentum on sweeps ------------------------------------------------- */
 
 struct dlsi_groups;
 
@@ -120,7 +120,7 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi
 double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, const double *w, double largest,
                           dlsi_set changes, dlsi_set rows, double *r, double *u);
 
-/* ---- vi/turns.c: which variant is the quickest ----------------------------------------------- */
+/* ---- vi/sweep/turns.c: which variant is the quickest ----------------------------------------- */
 
 enum { dlsi_most_ways = 3 };
 
@@ -138,7 +138,7 @@ void dlsi_turns_start(dlsi_turns *turns, int ways);
 /* The current variant has reached `residual` at this cost. Returns 1 if another one follows. */
 int dlsi_turns_advance(dlsi_turns *turns, double residual, double cost);
 
-/* ---- vi/slabs.c: contacts that may be swept at the same time --------------------------------- */
+/* ---- vi/sweep/slabs.c: contacts that may be swept at the same time --------------------------- */
 
 /* Returns the number of pieces of a loop over `count` contacts, for any number of threads: so sums
  * by pieces have the same bits. */
@@ -205,7 +205,7 @@ void dlsi_newton_anew(dls_newton *work);
 /* Returns u of the answer of the last run, after DLS_OK. */
 const double *dlsi_newton_gap(const void *work);
 
-/* ---- vi/lanes.c: several small problems at once ---------------------------------------------- */
+/* ---- vi/sweep/lanes.c: several small problems at once ---------------------------------------- */
 
 enum { dlsi_lanes = 8, dlsi_lane_candidates = 8 };
 
@@ -360,7 +360,7 @@ void dlsi_set_limits(dls_limits *to, const dls_limits *from);
 void dlsi_multiply(const dls_contact *problem, const int *order, const double *E, const double *r,
                    double *u, double *a);
 
-/* ---- vi/order.c ------------------------------------------------------------------------------ */
+/* ---- vi/sweep/order.c ------------------------------------------------------------------------ */
 
 /* Returns 1 if W is dense, or has at least 25 % of all blocks. */
 int dlsi_is_full(const dls_contact *problem);
@@ -388,12 +388,12 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
 
-/* ---- vi/admm.c ------------------------------------------------------------------------------- */
+/* ---- vi/split/admm.c ------------------------------------------------------------------------- */
 
 /* Makes later solves in the workspace take W from `shared` (borrowed); NULL: from the problem. */
 void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared);
 
-/* ---- vi/ambiguous.c -------------------------------------------------------------------------- */
+/* ---- vi/sweep/ambiguous.c -------------------------------------------------------------------- */
 
 /* Returns 0 if no contact can have several solutions. */
 int dlsi_may_be_ambiguous(const dls_contact *problem);

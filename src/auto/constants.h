@@ -51,7 +51,7 @@ enum {
   dlsi_auto_ahead           = 100, /* sweeps ahead: the convex problem or momentum takes fewer */
   dlsi_auto_sweeps_before   = 200, /* sweeps before the convex problem of what is not at rest */
   dlsi_auto_first_patience  = 4,   /* steps of Newton without progress, at least ... */
-  dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton.c */
+  dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton/newton.c */
 };
 static const double dlsi_auto_unsorted  = .05;  /* residual: above, few states are the answer's */
 static const double dlsi_auto_far_start = .25;  /* residual of a warm start with many new states */

@@ -23,7 +23,7 @@
  *          rest, elsewhere after 200 sweeps, if (FC1) exceeds twice the sweeps so far. There a
  *          factorisation may cost as many sweeps as were made, at rest 1000; else the step waits
  *          for so many. The
- *          fill of bodies is foreseen before W is formed (vi/fill.c)
+ *          fill of bodies is foreseen before W is formed (vi/split/fill.c)
  *
  * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
  * same steps and gives the same bits.

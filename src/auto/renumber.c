@@ -13,7 +13,7 @@
  *   (RN3)  while some codes are equal, the first of the smallest such code gets one of its own, and
  *          (RN2) goes on. What is left to the given order so is which of the candidates comes first
  *          that the whole problem does not tell apart
- *   (RN4)  by code, then by the order of vi/order.c, which follows the mechanics
+ *   (RN4)  by code, then by the order of vi/sweep/order.c, which follows the mechanics
  *
  * Source: colour refinement, Weisfeiler and Leman, Nauchno-Technicheskaya Informatsiya 2 (9), 1968,
  * 12-16. Cost: nc^2 d^2 per round; usually two rounds.

@@ -49,7 +49,7 @@ dls_status dlsi_auto_create_part(dlsi_auto *work, part k, dls_error *error) {
   if (work->part[k]) return DLS_OK;
   options.limits = limits_of(work, k);
   options.limits.cpu_seconds = 0;    /* each step sets it */
-  options.stage = k == PUSH ? 2 : 1; /* momentum, the usual way (vi/nlgs.c) */
+  options.stage = k == PUSH ? 2 : 1; /* momentum, the usual way (vi/sweep/nlgs.c) */
   options.room = &work->room;
   return dlsi_auto_kind[k].method->create(&work->part[k], work->d, work->nc, &options, error);
 }

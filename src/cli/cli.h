@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "delassus/forming.h"

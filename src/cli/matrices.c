@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "hints.h"
 #include "matrices.h"
 

@@ -26,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/exact.h"
+#include "contact/exact.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
 #include "facts/facts.h"

@@ -5,7 +5,7 @@
 #include "delassus/derive.h"
 #include "linear/general.h"
 #include "reduction/reduced.h"
-#include "vi/states_matrix.h"
+#include "vi/newton/states_matrix.h"
 
 struct dls_derive {
   atomic_int busy;

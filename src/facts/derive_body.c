@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/body.h"
+#include "contact/body.h"
 #include "facts/derive.h"
 #include "linear/blas.h"
 #include "linear/equilibrate.h"

@@ -2,7 +2,7 @@
 #ifndef DLSI_FACTS_H
 #define DLSI_FACTS_H
 
-#include "base/method.h"
+#include "contact/method.h"
 #include "delassus/trust.h"
 
 /* ---- contact_lemke.c ------------------------------------------------------------------------- */

@@ -43,7 +43,7 @@
 #include "facts/facts.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
-#include "vi/states_matrix.h"
+#include "vi/newton/states_matrix.h"
 
 enum { starts = 200 };            /* (FO3) */
 enum { least_rounds = 30 };       /* (FO3): changes of each contact, at least */

@@ -15,7 +15,7 @@
  *
  * as y stays in the range of D^-1 W and r = P(y) solves (LS1) at the end. Newton's method finds an
  * s of (LS2) from g(z) = z - (r - r*), s = y - D^-1 W z / eps, r = P(s). With B B^T the derivative
- * of P in the scale D^1/2, and E its columns B in (SM3) of vi/states_matrix.c,
+ * of P in the scale D^1/2, and E its columns B in (SM3) of vi/newton/states_matrix.c,
  *
  *   (LS3)  (E^T W E + eps diag(w) + L) t = -E^T W g,   dz = -g - E t,   l = eps w (1/tau - 1),
  *          tau = |r_t| / |s_t| at the surface of a cone, d = 3
@@ -39,7 +39,7 @@
 #include <string.h>
 
 #include "facts/facts.h"
-#include "vi/states_matrix.h"
+#include "vi/newton/states_matrix.h"
 
 enum { outer_steps = 10, newton_steps = 100, most_halvings = 30, refinements = 4 };
 static const double eps = 1e-6;        /* of (LS2): its rounding is DBL_EPSILON / eps */

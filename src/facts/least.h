@@ -2,13 +2,13 @@
 #ifndef DLSI_LEAST_H
 #define DLSI_LEAST_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* A workspace for problems of dimension d with at most nc contacts. */
 typedef struct dlsi_least dlsi_least;
 
 /* *out := new workspace, W dense (blocks = 0) or with at most so many blocks. Memory: m^2 doubles,
- * or O(blocks) if W is sparse (vi/states_matrix.h), and O(m). DLS_E_MEMORY, DLS_E_SIZE. */
+ * or O(blocks) if W is sparse (vi/newton/states_matrix.h), and O(m). DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_least_create(dlsi_least **out, int d, int nc, int blocks, dls_error *error);
 
 /* Replaces r (m), an answer of `status`, DLS_OK or DLS_TO_ROUNDING, by the reactions of its

@@ -1,7 +1,7 @@
 /*
  * prove.c: proves that one solution lies near an answer, and bounds the distance.
  *
- * In the states of the answer a solution has the unknowns y of vi/states_matrix.c: r_c where a
+ * In the states of the answer a solution has the unknowns y of states_matrix.c (vi): r_c where a
  * contact sticks, a = r_n and, d = 3, b = r.p where it slips, with t and p = t turned fixed:
  *
  * r_t lies on its cone, F = 0 are the laws, and |F'(y) - A| s <= B(delta) in the box |y - y0| <=

@@ -4,7 +4,7 @@
 
 #include "facts/facts.h"
 #include "linear/room.h"
-#include "vi/states_matrix.h"
+#include "vi/newton/states_matrix.h"
 
 typedef struct dlsi_prove {
   const dls_contact *problem;

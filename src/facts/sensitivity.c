@@ -2,7 +2,7 @@
  * sensitivity.c: what the residual of an answer means for its reactions.
  *
  * Where the states of the contacts stay, F = J (r - r*) to first order, J the derivative of the
- * laws. With A and E of vi/states_matrix.c, the columns of E over their length:
+ * laws. With A and E of vi/newton/states_matrix.c, the columns of E over their length:
  *
  *   (SN1)  r - r* = E y;  a slip has the column (1, mu t) / sqrt(1 + mu^2)
  *   (SN2)  A y = F of the rows of A
@@ -41,7 +41,7 @@
 #include "facts/facts.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
-#include "vi/states_matrix.h"
+#include "vi/newton/states_matrix.h"
 
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */

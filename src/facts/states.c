@@ -29,7 +29,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/exact.h"
+#include "contact/exact.h"
 #include "delassus/trust.h"
 #include "facts/facts.h"
 #include "lcp/lcp_internal.h"

@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/fe.h"
 #include "files/output.h"
 

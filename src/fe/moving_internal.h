@@ -9,7 +9,7 @@
 #ifndef DLSI_MOVING_INTERNAL_H
 #define DLSI_MOVING_INTERNAL_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/moving.h"
 
 /* Fills gap and force of the closed form of a bar at time t, from its start. */

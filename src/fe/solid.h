@@ -13,7 +13,7 @@
 #ifndef DLSI_SOLID_H
 #define DLSI_SOLID_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* ---- material -------------------------------------------------------------------------------- */
 

@@ -2,7 +2,7 @@
 #ifndef DLSI_FCLIB_BODIES_H
 #define DLSI_FCLIB_BODIES_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* A global problem, and its form for rigid bodies (fclib_bodies.c). */
 typedef struct dlsi_fclib_global {

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/body.h"
+#include "contact/body.h"
 
 dls_status dlsi_fclib_join(dlsi_triplets *M, const dlsi_triplets *G, dls_error *error) {
   const int n = M->rows, p = G->cols;

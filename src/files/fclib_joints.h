@@ -2,7 +2,7 @@
 #ifndef DLSI_FCLIB_JOINTS_H
 #define DLSI_FCLIB_JOINTS_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 
 /* *M := (M -G; -G^T 0) of M (n x n) and G (n x p). Unchanged after DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_fclib_join(dlsi_triplets *M, const dlsi_triplets *G, dls_error *error);

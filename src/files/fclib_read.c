@@ -25,7 +25,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/files.h"
 #include "files/fclib_bodies.h"
 #include "files/fclib_internal.h"

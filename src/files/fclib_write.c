@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/files.h"
 #include "files/fclib_internal.h"
 #include "files/fclib_joints.h"

@@ -4,8 +4,8 @@
 
 #include <stdio.h>
 
-#include "base/base.h"
-#include "base/columns.h"
+#include "contact/columns.h"
+#include "contact/contact.h"
 #include "delassus/files.h"
 
 /* Opens `path` for reading, past a byte order mark; NULL and DLS_E_FILE in *error if it is missing

@@ -2,7 +2,7 @@
 #ifndef DLSI_FORMATS_H
 #define DLSI_FORMATS_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "files/file.h"
 
 /* The formats that are read. DLSI_TEXT: rows of numbers, if nothing else fits. */

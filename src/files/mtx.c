@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/files.h"
 #include "files/file.h"
 #include "files/output.h"

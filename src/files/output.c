@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "files/output.h"
 
 enum { most_links = 40, most_names = 1000 };

@@ -2,7 +2,7 @@
  * batch.c: solves many problems with one set of settings and one workspace.
  *
  *   (BT1)  up to dlsi_lanes consecutive small problems with the same number of contacts: swept side
- *          by side (vi/lanes.c), then measured one by one
+ *          by side (vi/sweep/lanes.c), then measured one by one
  *   (BT2)  problems that are not small, and those whose certificate does not hold, from that r: the
  *          method's solve, in a workspace for the largest problem of its dimension, created at
  *          first use

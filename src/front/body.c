@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/global.h"
 #include "front/front.h"
 #include "global/solved.h"

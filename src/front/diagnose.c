@@ -63,7 +63,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/diagnose.h"
 #include "delassus/solve.h"
 #include "linear/blas.h"

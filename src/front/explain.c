@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/solve.h"
 
 /* A text that grows; text that does not fit is only counted. */

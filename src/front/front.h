@@ -2,7 +2,7 @@
 #ifndef DLSI_FRONT_H
 #define DLSI_FRONT_H
 
-#include "base/method.h"
+#include "contact/method.h"
 #include "delassus/solve.h"
 
 /* Returns the row of a method, NULL for a number that is no method. */

@@ -3,7 +3,7 @@
 #ifndef DLSI_GEOMETRY_H
 #define DLSI_GEOMETRY_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/pairs.h"
 
 static inline double dlsi_dot3(const double a[3], const double b[3]) {

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "geometry.h"
 
 enum { pairs_corner = 1, pairs_twice = 2 }; /* marks of a node */

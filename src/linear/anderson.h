@@ -2,7 +2,7 @@
 #ifndef DLSI_ANDERSON_H
 #define DLSI_ANDERSON_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
 typedef struct dlsi_anderson {

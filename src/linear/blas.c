@@ -10,7 +10,7 @@
 
 #include <limits.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 dls_status dlsi_check_scale(dlsi_scale *scale, dls_error *error) {
 #if !defined(__BYTE_ORDER__) || __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__

@@ -8,7 +8,7 @@
 #ifndef DLSI_CHOLESKY_H
 #define DLSI_CHOLESKY_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 typedef struct dlsi_cholesky {
   int n, kept, count; /* unknowns; those of c; supernodes, c last if there is one */

@@ -2,7 +2,7 @@
 #ifndef DLSI_DENSE_H
 #define DLSI_DENSE_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* Returns 1 if A (n x n, column-major without gaps) equals its transpose to the last bit. */
 int dlsi_is_symmetric(const double *A, size_t n);

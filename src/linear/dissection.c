@@ -28,7 +28,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 enum { most_turns = 16 };
 

@@ -2,7 +2,7 @@
 #ifndef DLSI_EQUILIBRATE_H
 #define DLSI_EQUILIBRATE_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* Finds powers of two that bring the largest entry of each row and column of R K C near 1. Entries
  * in one place count separately. symmetric: 1 gives R = C and skips the entries above the diagonal.

@@ -2,7 +2,7 @@
 #ifndef DLSI_GENERAL_H
 #define DLSI_GENERAL_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "linear/dense.h"
 #include "linear/sparse_lu.h"
 

@@ -8,7 +8,7 @@
 
 #include <dmumps_c.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* The sequential MUMPS is part of libdelassus under this name, and all its other names are local:
  * the host may have another MUMPS, and an MPI (Makefile). src/mpi calls the parallel one. */

@@ -5,7 +5,7 @@
  */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "linear/dissection.h"
 #include "linear/schur.h"
 #include "linear/sparse_lu.h"

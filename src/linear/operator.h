@@ -2,8 +2,8 @@
 #ifndef DLSI_OPERATOR_H
 #define DLSI_OPERATOR_H
 
-#include "base/base.h"
-#include "base/columns.h"
+#include "contact/columns.h"
+#include "contact/contact.h"
 
 /* H = L P. */
 typedef struct dlsi_operator {

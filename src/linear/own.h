@@ -10,7 +10,7 @@
 #ifndef DLSI_OWN_H
 #define DLSI_OWN_H
 
-#include "base/body.h"
+#include "contact/body.h"
 
 typedef struct dlsi_own {
   const dlsi_body *body;

@@ -7,7 +7,7 @@
 #ifndef DLSI_PIECES_H
 #define DLSI_PIECES_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* Returns 1 if a matrix, or its factor, with so many entries is worth one thread only: a dense
  * problem with 1000 rows takes some 10 ms. */

@@ -26,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/body.h"
+#include "contact/body.h"
 
 static const double rounding = 1e-12; /* (RJ3) */
 

@@ -2,7 +2,7 @@
 #ifndef DLSI_REDUNDANT_H
 #define DLSI_REDUNDANT_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 
 /* K without its redundant joints. */
 typedef struct dlsi_apart {

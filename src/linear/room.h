@@ -2,7 +2,7 @@
 #ifndef DLSI_ROOM_H
 #define DLSI_ROOM_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* Room for a matrix and its factors. Methods that run one after the other may share it: only the
  * owner still has its factors. */

@@ -14,7 +14,7 @@
 #ifndef DLSI_SCHUR_H
 #define DLSI_SCHUR_H
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 typedef struct dlsi_schur dlsi_schur;
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "linear/mumps.h"
 
 struct dlsi_sparse_lu {

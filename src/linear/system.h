@@ -2,8 +2,8 @@
 #ifndef DLSI_SYSTEM_H
 #define DLSI_SYSTEM_H
 
-#include "base/base.h"
-#include "base/columns.h"
+#include "contact/columns.h"
+#include "contact/contact.h"
 #include "linear/cholesky.h"
 #include "linear/general.h"
 

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/body.h"
+#include "contact/body.h"
 #include "front/front.h"
 #include "motion/motion_internal.h"
 

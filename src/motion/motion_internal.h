@@ -2,8 +2,8 @@
 #ifndef DLSI_MOTION_H
 #define DLSI_MOTION_H
 
-#include "base/base.h"
-#include "base/columns.h"
+#include "contact/columns.h"
+#include "contact/contact.h"
 #include "delassus/motion.h"
 #include "delassus/reduction.h"
 

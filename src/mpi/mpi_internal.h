@@ -4,9 +4,9 @@
 
 #include <mpi.h>
 
-#include "base/base.h"
-#include "base/body.h"
-#include "base/columns.h"
+#include "contact/body.h"
+#include "contact/columns.h"
+#include "contact/contact.h"
 #include "delassus/mpi.h"
 
 /* ---- agree.c: one status for all ranks ------------------------------------------------------- */

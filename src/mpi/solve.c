@@ -2,7 +2,7 @@
  * solve.c: solves the contact problem of a reduction on several ranks.
  *
  *   (MS1)  up to settings.gather rows: W goes to rank 0, which calls dls_solve
- *   (MS2)  above: each rank runs the iteration of vi/admm.c on the same vectors. Only work with the
+ *   (MS2)  above: each rank runs the iteration of admm.c on the same vectors. Only work with the
  *          matrix is shared: A := (W + rho D)^-1 for each rho, one product with A an iteration, one
  *          with W and one with |W| for a certificate
  *

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "run.h"
 
 enum { room = 7 * 6 };

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "cases.h"
+#include "contact/contact.h"
 #include "delassus.h"
 #include "delassus/derive.h"
 #include "errors.h"

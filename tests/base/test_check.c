@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "base/utf8.h"
+#include "contact/contact.h"
 #include "run.h"
 
 /* An answer and the error beside it. */

@@ -3,7 +3,7 @@
 #include <limits.h>
 #include <string.h>
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "malloc_fails.h"
 #include "run.h"
 

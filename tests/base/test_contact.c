@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus.h"
 #include "errors.h"
 #include "malloc_fails.h"

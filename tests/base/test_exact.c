@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "base/exact.h"
+#include "contact/exact.h"
 #include "run.h"
 
 /* ---- sums ------------------------------------------------------------------------------------ */

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/model.h"
 #include "run.h"
 

@@ -5,7 +5,7 @@
 #include <limits.h>
 #include <math.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "run.h"
 
 /* The largest entry, NaN or infinity is found wherever it stands, beside the last four, too. */

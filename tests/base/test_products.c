@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "run.h"
 
 enum { most_nc = 35, most_m = 3 * most_nc, most_ld = most_m + 2 };

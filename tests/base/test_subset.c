@@ -2,7 +2,7 @@
 #include <check.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "run.h"
 
 /* Three candidates, d = 1, by blocks: the column of candidate 0 has the rows 2 0 1 0, that of 1

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/diagnose.h"
 #include "delassus/global.h"
 #include "delassus/pivoting.h"

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/exact.h"
 #include "cases.h"
+#include "contact/exact.h"
 #include "delassus/lcp.h"
 #include "delassus/solve.h"
 #include "lcp/lcp_internal.h"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus.h"
 #include "malloc_fails.h"
 #include "run.h"

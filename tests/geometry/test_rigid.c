@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "close.h"
+#include "contact/contact.h"
 #include "delassus/rigid.h"
 #include "delassus/solve.h"
 #include "errors.h"

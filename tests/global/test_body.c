@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/body.h"
+#include "contact/body.h"
 #include "malloc_fails.h"
 #include "run.h"
 #include "stiffness.h"

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "close.h"
+#include "contact/contact.h"
 #include "delassus.h"
 #include "fclib_file.h"
 #include "front_cases.h"

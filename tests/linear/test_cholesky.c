@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "cases.h"
 #include "close.h"
+#include "contact/contact.h"
 #include "linear/cholesky.h"
 #include "malloc_fails.h"
 #include "run.h"

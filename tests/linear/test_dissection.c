@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "linear/cholesky.h"
 #include "linear/dissection.h"
 #include "malloc_fails.h"

@@ -6,7 +6,7 @@
 
 #include "cases.h"
 #include "run.h"
-#include "vi/border.h"
+#include "vi/newton/border.h"
 
 enum { nc = 24, most_rows = 3 * nc };
 

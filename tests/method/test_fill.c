@@ -1,4 +1,4 @@
-/* test_fill.c: the fill that is foreseen from the graph of the bodies (vi/fill.c). */
+/* test_fill.c: the fill that is foreseen from the graph of the bodies (vi/split/fill.c). */
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>

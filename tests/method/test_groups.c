@@ -1,4 +1,4 @@
-/* test_groups.c: sweeps over groups of eight candidates (vi/groups.c, vi/groups_sweep.c). */
+/* test_groups.c: sweeps over groups of eight candidates (groups.c, groups_sweep.c). */
 #include <check.h>
 #include <float.h>
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"
-#include "vi/groups.h"
+#include "vi/sweep/groups.h"
 
 /* The kernel with one lane in a register: plain doubles. */
 enum { newton_steps = 1 };
@@ -19,7 +19,7 @@ enum { newton_steps = 1 };
 #define NAME(x) x##_1
 #define ROOT(x) ((V){sqrt((x)[0])})
 #define ANY(m)  ((m)[0] != 0)
-#include "vi/groups_kernel.h"
+#include "vi/sweep/groups_kernel.h"
 #include "vi/vi_internal.h"
 
 static const char *const kinds[] = {"packing-flow", "packing-rest", "discs-flow", "wall-pushed"};

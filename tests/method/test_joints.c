@@ -9,7 +9,7 @@
 #include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"
-#include "vi/joints.h"
+#include "vi/split/joints.h"
 
 typedef struct pair {
   rigid a;

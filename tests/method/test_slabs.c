@@ -1,4 +1,4 @@
-/* test_slabs.c: slabs (vi/slabs.c), and sweeps on several threads. */
+/* test_slabs.c: slabs (vi/sweep/slabs.c), and sweeps on several threads. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

@@ -7,11 +7,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "cases.h"
+#include "contact/contact.h"
 #include "malloc_fails.h"
 #include "run.h"
-#include "vi/states_matrix.h"
+#include "vi/newton/states_matrix.h"
 
 /* States at random, r in these states and u = W r + q. */
 typedef struct chosen {

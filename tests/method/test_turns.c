@@ -1,4 +1,4 @@
-/* test_turns.c: which variant is the fastest (vi/turns.c), on variants with known rates. */
+/* test_turns.c: which variant is the fastest (vi/sweep/turns.c), on variants with known rates. */
 #include <check.h>
 
 #include "run.h"

@@ -1,5 +1,5 @@
 /* test_unique.c: what W proves about other answers (vi/unique.c, dlsi_may_be_ambiguous of
- * vi/ambiguous.c), on both sides of bounds worked by hand, in any units. */
+ * vi/sweep/ambiguous.c), on both sides of bounds worked by hand, in any units. */
 #include <check.h>
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "moving.h"
 #include "run.h"
 

@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 #include "delassus/files.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"

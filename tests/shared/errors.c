@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
+#include "contact/contact.h"
 
 /* How messages begin that tell of one entry of their argument. */
 static const char *const of_an_entry[] = {

@@ -6,7 +6,7 @@
 #ifndef LINKAGE_H
 #define LINKAGE_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/model.h"
 
 enum { linkage_most = 400 }; /* unknowns */

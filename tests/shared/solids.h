@@ -5,7 +5,7 @@
 #ifndef SOLIDS_H
 #define SOLIDS_H
 
-#include "base/columns.h"
+#include "contact/columns.h"
 #include "delassus/model.h"
 
 typedef struct solids {

@@ -42,7 +42,7 @@ NEAR = {
     "src/motion": ["motion"],
     "src/fe": ["fe", "cli"],
     "src/cli": ["cli"],
-    "src/base/exact.c": ["lcp", "front"],
+    "src/contact/exact.c": ["lcp", "front"],
 }
 # Minutes of forming and of pictures, which see the library through the same calls as the rest: for their own rooms alone,
 # after all others.
