@@ -13,7 +13,7 @@
  *
  *   t(p) = max( c span(p), B nc / memory(p) ) + barriers(p)
  *
- * span(p): contacts of the busiest thread, if the slabs (vi/sweep/slabs.c) are handed out one by one;
+ * span(p): contacts of the busiest thread, if the slabs (slabs.c) are handed out one by one;
  * memory(p) = p memory(1), up to the limit of a socket; barriers: as measured on two threads.
  */
 #include <math.h>

@@ -25,7 +25,7 @@
  * this method is for that case.
  *
  * Source: Simo and Laursen, Comput. Struct. 42, 1992, 97-116. Unlike theirs the bounds are lagged,
- * which keeps (AL4) symmetric; vi/split/augmented.c is the same on W. Also ends after 200 steps, or when
+ * which keeps (AL4) symmetric; augmented.c is the same on W. Also ends after 200 steps, or when
  * three multipliers in a row have not halved the residual. Needs K symmetric and A definite.
  * Cost: a factor a step, 40 to 60 for strips of 1,000 elements, 120 for 3,000.
  */

@@ -3,7 +3,7 @@
  *
  * In round variables, with v = r_n - s u_n, tau = r_t - s u_t, s = 1 or, on the split problem, the
  * splitting's rho if that is less (slips are 1e4 times reactions there), R = mu max(0, v), the law
- * is Alart and Curnier's equation of vi/newton/newton.c. Its branches decide which part of a new r is
+ * is Alart and Curnier's equation of newton.c. Its branches decide which part of a new r is
  * known (t = tau / |tau|, in 3D p = t turned by 90 degrees):
  *
  *   (GN1)  free    v <= 0        r0 = 0                              nothing unknown

@@ -44,7 +44,7 @@
  *          |rho z| > 30 |r|.
  *   (GL13) Ends when nothing has halved for 2000 iterations, or with the first NaN.
  *
- * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/split/admm.c is the same on W.
+ * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; admm.c is the same on W.
  * Cost: a solve with the factor of A per iteration, a product with K every 10 iterations.
  * What can fail: Coulomb's law is not monotone, and nothing proves convergence with friction.
  */

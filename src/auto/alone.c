@@ -2,10 +2,10 @@
  * alone.c: solves the contacts one by one, from r = 0 and without a workspace.
  *
  *   (AL1)  r = 0                                  if every q_n >= 0
- *   (AL2)  r_c = the solution of contact c alone, u_c = W_cc r_c + q_c (vi/sweep/local.c), for each c
+ *   (AL2)  r_c = the solution of contact c alone, u_c = W_cc r_c + q_c (local.c), for each c
  *          with q_n < 0, and 0 for the others         if there is one such c, or W couples none
  *
- * (AL2) is the first sweep of Gauss-Seidel (vi/sweep/nlgs.c), to the same bits, and the last one if it
+ * (AL2) is the first sweep of Gauss-Seidel (nlgs.c), to the same bits, and the last one if it
  * presses no other contact. It is used for few contacts only: for more the sweeps dominate the
  * cost.
  *

@@ -5,7 +5,7 @@
  *          start from the better one. While W does not change, u of both follows without a product;
  *          (SQ2) begins with that u.
  *   (SQ2)  step: with W dense, a warm solve may begin with Newton's method on the factors of the
- *          last solve (vi/newton/newton.c, NE5). If no state changes, such a step takes only products and
+ *          last solve (newton.c, NE5). If no state changes, such a step takes only products and
  *          triangular solves. In sweeps,
  *
  *            begin with Newton if the last solve by sweeps cost more than E

@@ -5,7 +5,7 @@
  *   (BO2)  residual_r = |D^-1/2 F'| / |r|, as contact.h
  *   (BO3)  equilibrium: the forces that do not balance, and joints     equilibrium.c
  *
- * The sums are over the contacts that touch (src/contact/contact.c). (BO1) is relative to the actual
+ * The sums are over the contacts that touch (contact.c). (BO1) is relative to the actual
  * displacements: |H^T K^-1 f|, the scale of the problem on W, is larger than the body if soft
  * springs hold it. D r, the local indentation, keeps the scale above rounding if everything sticks.
  *

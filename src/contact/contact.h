@@ -1,4 +1,4 @@
-/* contact.h: the contact problem: its products, its certificate, and what every method does with it. */
+/* contact.h: the contact problem: its products, its certificate, what every method does with it. */
 #ifndef DLSI_CONTACT_H
 #define DLSI_CONTACT_H
 

@@ -2,7 +2,7 @@
  * derive.c: derivatives of an answer, by one linear system of its states.
  *
  * In the states of the answer the laws are equations, and E, R, L, A = R W E + L are their
- * derivatives (vi/newton/states_matrix.c). With t the direction of a slip, data and answer change by
+ * derivatives (states_matrix.c). With t the direction of a slip, data and answer change by
  *
  *   (DR1)  dr = E y + s,   s_c = r_n dmu_c (0, t) where contact c slips, else 0
  *   (DR2)  A y = -R (dq + dW r + W s),   du = dq + dW r + W dr
