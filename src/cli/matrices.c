@@ -535,6 +535,16 @@ static int load_loads(const matrix_options *o, problem *p) {
   return 1;
 }
 
+double *matrices_read_loads(const char *path, const matrix_options *o, const problem *p) {
+  struct matrices *own = p->matrices;
+  double *const kept = own->f;
+  const int good = read_loads(path, p->model.d, p->model.n, own->node || o->nodes, own);
+  double *f = own->f;
+  own->f = kept;
+  if (!good) free(f);
+  return good ? f : NULL;
+}
+
 int matrices_load_data(const matrix_options *o, int loads, problem *p) {
   return load_friction(o, p) && (!loads || load_loads(o, p));
 }

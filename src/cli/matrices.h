@@ -29,6 +29,9 @@ int matrices_load(const matrix_options *options, problem *p);
 /* Reads mu anew, and with loads = 1 f and g, or q. */
 int matrices_load_data(const matrix_options *options, int loads, problem *p);
 
+/* Returns loads (n) as --f gives them, to be freed; NULL after a complaint. */
+double *matrices_read_loads(const char *path, const matrix_options *options, const problem *p);
+
 /* Reads --mu, if it is given, in place of the friction of a file or a scene. */
 int friction_load(const matrix_options *options, problem *p);
 

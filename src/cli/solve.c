@@ -46,6 +46,8 @@ static void solve_usage(FILE *out) {
       "  -p, --proof           if there is no answer, print the vectors behind the verdict: the\n"
       "                        proof that there is no solution, or the ray\n"
       "      --prove           prove the answer: improve r and bound its error, on W\n"
+      "      --limit=F1        in place of an answer: the largest lambda with an answer for the\n"
+      "                        loads f + lambda f1, and the least with a proof that there is none\n"
       "      --lcp             the files hold an LCP\n" LAST_USAGE,
       out);
 }
@@ -265,6 +267,60 @@ dls_status problem_solve(problem *p, const solve_options *options, solution *a, 
   return status;
 }
 
+/* ---- how much is carried --------------------------------------------------------------------- */
+
+static void print_limit(const char *path, dls_status status, const dls_limit *l) {
+  if (is_json()) {
+    print_json_head("limit", status_word(status), NULL);
+    print_json_field(stdout, "carried", l->carried);
+    print_json_field(stdout, "refused", l->refused);
+    print_json_field(stdout, "open", l->open);
+    printf(",\n  \"proved\": %s,\n  \"solves\": %d\n}\n", l->proved ? "true" : "false", l->solves);
+    return;
+  }
+  if (!is_quiet()) {
+    printf("%s: loads f + lambda f1, %d solves\n", path, l->solves);
+    printf("  carried at %.9g: an answer is certified%s\n", l->carried,
+           l->unique == DLS_UNIQUE_YES ? ", the only one" : "");
+    if (l->proved)
+      printf("  refused at %.9g: a motion proves that there is no answer\n", l->refused);
+    else
+      printf("  nothing is refused up to %g\n", l->refused);
+    if (!isnan(l->open)) printf("  without a verdict at %.9g\n", l->open);
+  }
+  print_ending(status, NULL);
+}
+
+/* Finds the limit of loads beside those of the problem. */
+static int solve_limit(const char *path, problem *p, const solve_options *options) {
+  dls_limit limit;
+  dls_error error;
+  dls_limit_settings settings;
+  if (!p->matrices || !p->reduction)
+    return complain("--limit: is for --stiffness or --flexibility, with --HN or --H");
+  double *f1 = matrices_read_loads(options->limit, &options->from.matrices, p);
+  double *r = malloc((size_t)p->contact.d * (size_t)p->contact.nc * sizeof *r);
+  int result = EXIT_BAD_INPUT;
+  dls_limit_settings_init(&settings);
+  settings.limits = options->solver.settings.limits;
+  if (f1 && !r)
+    (void)complain("out of memory");
+  else if (f1) {
+    const dls_status status = dls_limit_load(p->reduction, p->f, f1, p->g, p->mu, NULL, &settings,
+                                             r, NULL, NULL, &limit, &error);
+    progress_end();
+    if (status < 0)
+      (void)complain_of(path, &error);
+    else {
+      print_limit(path, status, &limit);
+      result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+    }
+  }
+  free(f1);
+  free(r);
+  return result;
+}
+
 /* Solves the problem in a file or, where options name matrices, of these. */
 static int solve_contact(const char *path, const solve_options *options) {
   problem p = {0};
@@ -279,6 +335,10 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   problem_fit_threads(&p);
   if (is_verbose()) print_reduction(stderr, &p);
+  if (options->limit) {
+    result = solve_limit(path, &p, options);
+    goto end;
+  }
   const dls_status status = problem_solve(&p, options, &a, &o, &error);
   if (status < 0) goto failed;
   double *const r = a.r, *const u = a.u;
@@ -555,6 +615,7 @@ static const option_row solve_rows[] = {
     ROW(A_FLAG, "lcp", 0, solve_options, lcp),
     ROW(A_FLAG, "proof", 'p', solve_options, proof),
     ROW(A_FLAG, "prove", 0, solve_options, prove),
+    ROW(A_TEXT, "limit", 0, solve_options, limit),
     ROW(A_FLAG, "print", 0, solve_options, print),
     ROW(A_TEXT, "csv", 0, solve_options, csv),
     ROW(A_TEXT, "plan", 0, solve_options, solver.settings.plan),
@@ -596,6 +657,11 @@ int command_solve(int argc, char **argv) {
   if (o.explain && is_json()) return complain("--explain, --json: one of the two");
   if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
   if (o.print && is_json()) return complain("--print, --json: one of the two");
+  if (o.limit && (o.lcp || o.print || o.csv || o.out || o.history || o.plot || o.prove || o.proof ||
+                  o.explain))
+    return complain(
+        "--limit: prints two loads, no answer: without --print, --csv, --out, --history, "
+        "--plot, --prove, --proof, --explain, --lcp");
   if (o.lcp && named) return complain("--lcp: goes without --W, --stiffness and --flexibility");
   const char *path = named ? named : argv[optind];
   if (!settle_solve_options(&o)) return EXIT_BAD_INPUT;

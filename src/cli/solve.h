@@ -9,6 +9,7 @@ typedef struct solve_options {
   source from;
   int lcp, proof, prove, print, explain;
   const char *out, *csv, *history, *plot; /* NULL: none */
+  const char *limit;                      /* a file of loads: how much of it is carried; NULL */
 } solve_options;
 
 extern const command solve_command;

@@ -532,10 +532,34 @@ START_TEST(entries_of_all_sizes) {
 }
 END_TEST
 
+/* A box of width 1 and weight 1 on the floor, K = 0, pushed at its foot: it slides at mu. Held by a
+ * spring it carries all. */
+START_TEST(limit) {
+  put("N.mtx",
+      "%%MatrixMarket matrix coordinate real general\n3 2 4\n2 1 1\n3 1 -.5\n2 2 1\n3 2 .5\n");
+  put("T.mtx", "%%MatrixMarket matrix coordinate real general\n3 2 2\n1 1 1\n1 2 1\n");
+  put("K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n3 3 0\n");
+  put("H.mtx", "%%MatrixMarket matrix coordinate real symmetric\n3 3 3\n1 1 9\n2 2 9\n3 3 9\n");
+  put("f.txt", "0\n-1\n0\n");
+  put("f1.txt", "1\n0\n0\n");
+#define LIMIT " --HN @/N.mtx --HT @/T.mtx --f @/f.txt --mu .4 --limit @/f1.txt "
+  ck_assert_int_eq(run("solve --stiffness @/K.mtx" LIMIT), 0);
+  ck_assert(strstr(output, "carried at 0.39999") && strstr(output, "refused at 0.4") &&
+            strstr(output, "a motion proves") && ends_in("\nsolved\n"));
+  ck_assert_int_eq(run("solve --json --stiffness @/K.mtx" LIMIT), 0);
+  ck_assert(strstr(output, "\"proved\": true") && strstr(output, "\"carried\": 0.39999"));
+  ck_assert_int_eq(run("solve --stiffness @/H.mtx" LIMIT), 0);
+  ck_assert(strstr(output, "nothing is refused up to inf"));
+  ck_assert_int_eq(run("solve --print --stiffness @/K.mtx" LIMIT), 2);
+  ck_assert_int_eq(run("solve jean-fig3 --limit @/f1.txt"), 2);
+  ck_assert_int_eq(run("solve --stiffness @/K.mtx" LIMIT "--limit @/N.mtx"), 2);
+}
+END_TEST
+
 int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
              ONCE(one_h_one_list_and_npy), ONCE(npy_headers), ONCE(pipes), ONCE(mark_and_exponents),
              ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(triplets_and_labels),
-             ONCE(coordinates), ONCE(bad_matrices_are_2), ONCE(last_line),
+             ONCE(coordinates), ONCE(limit), ONCE(bad_matrices_are_2), ONCE(last_line),
              ONCE(entries_of_all_sizes));
 }
