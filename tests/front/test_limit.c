@@ -98,6 +98,12 @@ static void expect_limit(body *b, double expected) {
   ck_assert_double_ge(limit.refused, expected * (1 - 1e-8));
   ck_assert_double_le(limit.refused - limit.carried, 1e-6 * limit.refused);
   ck_assert_int_le(limit.solves, 8);
+  dls_limit_settings fine;
+  dls_limit_settings_init(&fine);
+  fine.tol = 1e-9;
+  const dls_limit close = limit_of(b, &fine);
+  ck_assert_double_eq_tol(close.carried, expected, 1e-8 * expected);
+  ck_assert_double_eq_tol(close.refused, expected, 1e-8 * expected);
 }
 
 /* Contact c of the rigid body at unknowns 3 a: at (x, y) from its centre, normal (nx, ny). */
