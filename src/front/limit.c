@@ -1,8 +1,8 @@
 /*
  * limit.c: the largest load that is carried, between a certified answer and a proof (limit.h).
  *
- *   (LL1)  trial lambda: f = f0 + lambda f1, friction mu + lambda mu1, dls_reduction_solve, warm
- *          from the answer at `carried`, cold if that ends without a verdict
+ *   (LL1)  trial lambda: f = f0 + lambda f1, friction mu + lambda mu1, dls_reduction_solve, once
+ *          something is refused warm from the answer at `carried`, cold if that has no verdict
  *   (LL2)  certified: carried := lambda. Nothing refused yet: 16 times as far next
  *   (LL3)  a motion b: it proves for every lambda with b.f0 + lambda b.f1 > margin, which gives
  *          `refused`; next trial inside its zero, by 3/4 tol
@@ -24,6 +24,9 @@
 static const double margin = 2e-9;   /* of |b|.|f|: 20 times what a proof asks */
 static const double farthest = 1e12; /* of the first step */
 static const double stride = 16;
+enum {
+  warm_most = 300
+}; /* iterations: a cold solve of 1,000 voussoirs takes 95, a warm one up to 3,000 */
 
 typedef struct limit_work {
   dls_reduction *reduction;
@@ -102,6 +105,8 @@ static int limit_try(limit_work *l, double lambda, int warm, dls_status *status,
   dls_solver_settings_init(&settings);
   settings.limits = l->settings.limits;
   settings.limits.warm_start = warm;
+  if (warm && !(settings.limits.max_iterations > 0 && settings.limits.max_iterations < warm_most))
+    settings.limits.max_iterations = warm_most;
   if (warm) memcpy(l->r, l->r_best, l->m * sizeof *l->r);
   if (warm) memcpy(l->x, l->x_best, l->n * sizeof *l->x);
   l->found.solves++;
@@ -184,8 +189,8 @@ static dls_status limit_search(limit_work *l, dls_error *error) {
     if (found->solves >= s->most) return DLS_MAX_ITERATIONS;
     if (l->side * (trial - s->to) > 0) trial = s->to;
     if (!found->proved && isnan(found->open) && step > farthest * first) return DLS_OK;
-    int verdict = limit_try(l, trial, 1, &status, error);
-    if (!status && !verdict) verdict = limit_try(l, trial, 0, &status, error);
+    int verdict = limit_try(l, trial, found->proved, &status, error);
+    if (!status && !verdict) verdict = limit_try(l, trial, !found->proved, &status, error);
     if (status) return status;
     if (verdict > 0 && trial == s->to) return limit_carry(l, trial), DLS_OK;
     trial = limit_next(l, verdict, trial, &step);
