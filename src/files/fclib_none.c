@@ -11,7 +11,7 @@
 
 dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
   if (out) *out = NULL;
-  FILE *file = path ? dlsi_file_open(path, error) : NULL; /* a file that is not there is told first */
+  FILE *file = path ? dlsi_file_open(path, error) : NULL; /* no such file: that is told first */
   if (path && !file) return dlsi_at(__func__, DLS_E_FILE, error);
   if (file) (void)fclose(file);
   return UNSUPPORTED(error);
