@@ -141,7 +141,7 @@ def arches(out):
             both = least(lambda t: ours(t, n, mu)), least(lambda t: theirs(t, n, mu))
             out.append(f"| {n} | {mu} | {both[0]:.7f} | {both[1]:.7f} |")
             print(out[-1], flush=True)
-    out += ["", f"Trials with neither an answer nor a proof: {len(unproved)}."]
+    out += ["", f"0.3 is the end of the search. Trials with neither an answer nor a proof: {len(unproved)}."]
 
 
 if __name__ == "__main__":

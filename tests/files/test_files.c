@@ -1486,7 +1486,10 @@ START_TEST(without_hdf5) {
   dls_error error = {0};
   dls_fclib *file = (dls_fclib *)&file;
   const double *v = NULL;
-  check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_UNSUPPORTED, "", -1);
+  check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_FILE, "path", -1);
+  ck_assert_ptr_null(file);
+  check_error(&error, dls_fclib_read(&file, TEST_DATA "/fclib/FC3D_Example1.hdf5", &error),
+              DLS_E_UNSUPPORTED, "", -1);
   ck_assert_ptr_null(file);
   ck_assert_int_eq(dls_fclib_is_global(NULL), 0);
   ck_assert_str_eq(dls_fclib_title(NULL), "");
