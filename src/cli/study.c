@@ -66,9 +66,10 @@ static void study_usage(FILE *out) {
   fputs("\nExit status: 0 all solved, 1 not all solved, 2 bad input.\n", out);
 }
 
-/* Returns 1 for an option of solve that a case may have. */
+/* Returns 1 for an option of solve that a case may have: it has a value, writes no file, and asks
+ * for an answer. */
 static int is_of_case(const option_row *row) {
-  static const char *const others[] = {"out", "output", "history", "plot", "csv"};
+  static const char *const others[] = {"out", "output", "history", "plot", "csv", "limit"};
   for (size_t k = 0; k < sizeof others / sizeof others[0]; k++)
     if (!strcmp(row->name, others[k])) return 0;
   return row->has_value;

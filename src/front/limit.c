@@ -29,7 +29,6 @@ enum { warm_most = 300 };
 
 typedef struct limit_work {
   dls_reduction *reduction;
-  dlsi_reduced of;
   size_t n, m, nc;
   const double *f0, *f1, *g, *mu, *mu1;
   dls_limit_settings settings;
@@ -206,8 +205,10 @@ static dls_status limit_run(limit_work *l, dls_error *error) {
   limit_carry(l, l->settings.from);
   if (verdict > 0) return limit_search(l, error);
   found->carried = NAN;
-  if (verdict < 0) limit_refuse(l, l->settings.from);
-  if (verdict < 0) found->refused = l->settings.from;
+  if (verdict < 0) {
+    (void)limit_refuse(l, l->settings.from);
+    found->refused = l->settings.from;
+  }
   return l->info.status;
 }
 
@@ -218,8 +219,7 @@ dls_status dls_limit_load(dls_reduction *reduction, const double *f0, const doub
   DLSI_DOOR;
   if (!reduction) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
   const dlsi_reduced of = dlsi_reduction_body(reduction);
-  limit_work l = {
-      .reduction = reduction, .of = of, .f0 = f0, .f1 = f1, .g = g, .mu = mu, .mu1 = mu1};
+  limit_work l = {.reduction = reduction, .f0 = f0, .f1 = f1, .g = g, .mu = mu, .mu1 = mu1};
   l.n = (size_t)of.K.n;
   l.nc = (size_t)of.H->candidates;
   l.m = l.nc * (size_t)of.H->d;

@@ -176,6 +176,7 @@ static const struct {
              {"mu\n1\n-2\n", "jean-fig4", "-2"},
              {"tol\nx\n", "jean-fig4", "in row 1"},
              {"out\na\n", "jean-fig4", "column 'out' is no option of a case"},
+             {"limit\nf1.txt\n", "jean-fig4", "column 'limit' is no option of a case"},
              {"method\nnewtn\n", "jean-fig4", "did you mean newton?"},
              {"stiffness\nK\n", "jean-fig4", "one of them"},
              {"mu\n1\n", "", "give a file, a scene"},

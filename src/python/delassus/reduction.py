@@ -337,6 +337,7 @@ class Reduction(Owner):
         self._watch.set(settings.limits)
         r, x, motion = np.zeros((self.candidates, self.d)), np.zeros(self.n), np.zeros(self.n)
         self._loaded += 1
+        self._given, self._fresh = [True, g is not None], False  # the load of some trial
         status = self._call("dls_limit_load", self._held, address(f), address(f1), address(g),
                             address(mu), address(mu1), byref(settings), address(r), address(x),
                             address(motion), byref(found))
