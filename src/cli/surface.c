@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "contact/body.h"
 #include "hints.h"
 #include "matrices.h"
 
@@ -18,45 +19,33 @@ typedef struct surface {
   const problem *p;
   int n, d, count;  /* count: of bodies */
   double *force;    /* n */
-  int *body, *root; /* n */
+  int *body;        /* n */
+  double (*sum)[6]; /* count: F, M */
 } surface;
 
 /* ---- bodies ---------------------------------------------------------------------------------- */
-
-static int root_of(int *root, int k) {
-  while (root[k] != k)
-    k = root[k] = root[root[k]];
-  return k;
-}
-
-static void join(int *root, int a, int b) {
-  a = root_of(root, a);
-  b = root_of(root, b);
-  root[a > b ? a : b] = a > b ? b : a;
-}
 
 /* Numbers the bodies by their first unknown. */
 static void find_bodies(surface *s) {
   const dls_model *m = &s->p->model;
   for (int k = 0; k < s->n; k++)
-    s->root[k] = k;
+    s->body[k] = k;
   for (int j = 0; j < s->n; j++) {
     if (m->Ks.p)
       for (int e = m->Ks.p[j]; e < m->Ks.p[j + 1]; e++)
-        if (m->Ks.x[e] != 0) join(s->root, j, m->Ks.i[e]);
+        if (m->Ks.x[e] != 0) dlsi_body_join(s->body, j, m->Ks.i[e]);
     if (m->K.a)
       for (int i = 0; i < j; i++)
-        if (m->K.a[(size_t)i + (size_t)j * (size_t)m->K.ld] != 0) join(s->root, j, i);
+        if (m->K.a[(size_t)i + (size_t)j * (size_t)m->K.ld] != 0) dlsi_body_join(s->body, j, i);
   }
   /* the directions of a node belong together */
   for (int k = 1; k < s->n; k++) {
     spot here, before;
     if (unknown_place(s->p, k, &here) && unknown_place(s->p, k - 1, &before) &&
         here.node == before.node)
-      join(s->root, k, k - 1);
+      dlsi_body_join(s->body, k, k - 1);
   }
-  for (int k = 0; k < s->n; k++)
-    s->body[k] = s->root[k] == k ? s->count++ : s->body[root_of(s->root, k)];
+  s->count = dlsi_body_number(s->n, s->body);
 }
 
 /* ---- forces ---------------------------------------------------------------------------------- */
@@ -73,6 +62,24 @@ static void surface_push(const dls_sparse *H, int per, const double *r, int d, i
 static void surface_free(surface *s) {
   free(s->force);
   free(s->body);
+  free(s->sum);
+}
+
+/* Sums F and M of each body, three parts each; returns 0 without memory. */
+static int sum_bodies(surface *s) {
+  const double *X = problem_coordinates(s->p, NULL, NULL);
+  s->sum = calloc((size_t)s->count + 1, sizeof *s->sum);
+  for (int k = 0; s->sum && k < s->n; k++) {
+    spot at;
+    if (s->force[k] == 0 || !unknown_place(s->p, k, &at)) continue;
+    double *F = s->sum[s->body[k]], *M = F + 3;
+    const int i = at.direction, j = (i + 1) % 3, l = (i + 2) % 3;
+    F[i] += s->force[k];
+    if (!X || at.row < 0) continue;
+    M[j] += X[3 * at.row + l] * s->force[k];
+    M[l] -= X[3 * at.row + j] * s->force[k];
+  }
+  return s->sum != NULL;
 }
 
 /* Returns 0 after a complaint. r: of the contact problem. */
@@ -81,35 +88,18 @@ static int surface_make(surface *s, const problem *p, const double *r) {
   dls_error error = {0};
   *s = (surface){.p = p, .n = m->n, .d = m->d};
   s->force = calloc((size_t)s->n + (size_t)m->d * (size_t)m->nodes + 1, sizeof *s->force);
-  s->body = malloc(2 * (size_t)s->n * sizeof *s->body);
+  s->body = malloc(((size_t)s->n + 1) * sizeof *s->body);
   if (!s->force || !s->body) return refuse("out of memory");
-  s->root = s->body + s->n;
   double *nodal = s->force + s->n;
   if (dls_reduction_nodal(p->reduction, r, nodal, &error))
     return complain_of("reactions", &error), 0;
   surface_push(&m->HN, 1, nodal, m->d, 0, s->force);
   surface_push(&m->HT, m->d - 1, nodal, m->d, 1, s->force);
   find_bodies(s);
-  return 1;
+  return sum_bodies(s) || refuse("out of memory");
 }
 
 /* ---- sums ------------------------------------------------------------------------------------ */
-
-/* Sums F and M of a body, three parts each. */
-static void sum_body(const surface *s, int body, double F[3], double M[3]) {
-  const double *X = problem_coordinates(s->p, NULL, NULL);
-  memset(F, 0, 3 * sizeof *F);
-  memset(M, 0, 3 * sizeof *M);
-  for (int k = 0; k < s->n; k++) {
-    spot at;
-    if (s->body[k] != body || s->force[k] == 0 || !unknown_place(s->p, k, &at)) continue;
-    const int i = at.direction, j = (i + 1) % 3, l = (i + 2) % 3;
-    F[i] += s->force[k];
-    if (!X || at.row < 0) continue;
-    M[j] += X[3 * at.row + l] * s->force[k];
-    M[l] -= X[3 * at.row + j] * s->force[k];
-  }
-}
 
 /* Prints the sums of the bodies that contact presses: in words or as rows of CSV. */
 static void put_sums(const surface *s, FILE *file, int csv) {
@@ -123,8 +113,7 @@ static void put_sums(const surface *s, FILE *file, int csv) {
     fputc('\n', file);
   }
   for (int b = 0, shown = 0; b < s->count; b++) {
-    double F[3], M[3];
-    sum_body(s, b, F, M);
+    const double *F = s->sum[b], *M = F + 3;
     if (F[0] == 0 && F[1] == 0 && F[2] == 0 && !csv) continue;
     if (!csv && shown++ == 6) {
       fputs("  more bodies: sums.csv of --csv\n", file);
