@@ -425,7 +425,7 @@ check-names:
 
 # flags that make a wrong library are refused; FLAGS=all: other flags and compilers without a warning, too
 .PHONY: check-flags
-check-flags:
+check-flags: $(SO) $(PROGRAM)
 	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)' $(FLAGS)
 
 # the core for other processors, tested under qemu; ARCHS, Debian's names
