@@ -15,6 +15,9 @@
 
 enum { most_iterations = 5000, window = 10, most_landings = 3 };
 
+static const double tidy =
+    1e-8; /* of the largest reaction: what is taken away from one outside its cone */
+
 /* ---- the model ------------------------------------------------------------------------------- */
 
 /* The matrices made from a model. */
@@ -155,12 +158,13 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
   double **const of_m[] = {&work->gap,  &work->g, &work->q,      &work->r,      &work->z,
                            &work->p,    &work->u, &work->before, &work->best_r, &work->trial,
                            &work->look, &work->R, &work->blur};
-  double **const of_n[] = {&work->motion, &work->x,      &work->y,        &work->f,
-                           &work->own,    &work->flight, &work->balanced, &work->best_x};
+  double **const of_n[] = {&work->motion, &work->x,      &work->y,     &work->f,
+                           &work->own,    &work->flight, &work->best_x};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof(double));
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
     *of_n[k] = dlsi_take(arena, n, sizeof(double));
+  work->balanced = dlsi_take(arena, 2 * n, sizeof *work->balanced);
   dlsi_anderson_carve(&work->history, arena, m, window, 0);
   work->mu = dlsi_take(arena, nc, sizeof *work->mu);
   work->bend = dlsi_take(arena, nc, sizeof *work->bend);
@@ -444,6 +448,34 @@ static dls_status solve_split(dls_global *work, dls_error *error) {
   return then;
 }
 
+/* Puts the r of an answer into its cones, and x after it, each unknown by itself. A reaction on an
+ * unknown that a penalty holds is rounding beside it: Newton leaves it there with either sign. */
+static void solve_tidy(dls_global *work) {
+  const size_t m = (size_t)work->m;
+  double most = 0, moved = 0;
+  for (size_t k = 0; k < m; k++) {
+    work->r[k] = work->best_r[k] * work->root[k];
+    most = fmax(most, fabs(work->best_r[k]));
+  }
+  dlsi_put_on_discs(work->d, work->nc, work->bend, work->r, work->before);
+  for (size_t k = 0; k < m; k++) {
+    work->look[k] = work->before[k] - work->r[k];
+    moved = fmax(moved, fabs(work->look[k] / work->root[k]));
+  }
+  if (!work->system || !(moved > tidy * most)) return;
+  dls_certificate now;
+  memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
+  memset(work->y, 0, (size_t)work->n * sizeof *work->y);
+  dlsi_global_push(work, work->look, work->y);
+  for (int j = 0; j < work->n; j++) {
+    double v, stiffness = 0;
+    for (int at = 0, i; dlsi_body_entry(&work->model, j, &at, &i, &v);)
+      stiffness += i == j ? v : 0;
+    work->x[j] += stiffness > 0 ? work->y[j] / stiffness : 0;
+  }
+  (void)dlsi_global_measure(work, work->before, &now);
+}
+
 static dls_status global_solve(dls_global *work, const double *f, const double *g, const double *mu,
                                const dls_limits *limits, double *r, double *x, dls_info *info,
                                dls_error *error) {
@@ -456,6 +488,7 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
   solve_begin(work, f, g, mu, r, x);
   status = solve_split(work, error);
   if (status < 0) return status;
+  if (dls_solved(status)) solve_tidy(work);
   if (work->m > 0) memcpy(r, work->best_r, (size_t)work->m * sizeof *r);
   for (int j = 0; j < work->n; j++)
     x[j] = work->best_x[j] + work->own[j] + work->flight[j];

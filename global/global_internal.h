@@ -62,7 +62,7 @@ struct dls_global {
   double *u;               /* m: H^T x + g */
   double *own;             /* n: the body's own deformation, split off; 0 before */
   double *flight;          /* n: motions that K holds by its rounding alone, moved into gap */
-  double *balanced, *blur; /* parts, m: of body, once split */
+  double *balanced, *blur; /* 2 parts, m: of body, once split */
   int is_split;            /* 1: f, load, gap, g are of the split problem, x and best_x its y */
   double *best_r, *best_x; /* as the caller has them: m, n */
   double *trial, *look;    /* m: r, u as the caller has them */

@@ -118,5 +118,8 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
     memcpy(work->best_r, work->trial, (size_t)work->m * sizeof *work->trial);
     memcpy(work->best_x, work->x, (size_t)work->n * sizeof *work->x);
   }
+  if (verdict == DLS_TO_ROUNDING && dlsi_global_can_split(work) && work->system &&
+      4 * found->floor_e > fmax(tol, 1e-8) && dlsi_forces_dwarf(&work->body, work->scratch))
+    return dlsi_split_first; /* (LO1) */
   return verdict;
 }

@@ -7,15 +7,17 @@
  *
  * The sums are over the contacts that touch (contact.c). (BO1) is relative to the actual
  * displacements: |H^T K^-1 f|, the scale of the problem on W, is larger than the body if soft
- * springs hold it. D r, the local indentation, keeps the scale above rounding if everything sticks.
+ * springs hold it. D r, the local indentation, keeps the scale above rounding if everything sticks;
+ * r enters it up to (EB2)'s bound.
  *
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e                                                     equilibrium.c
  *
  *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
- *          |H||r| in the body: if loads balance without the contacts, reactions are rounding, and
- *          so is their error. The rounding of one unknown affects the whole body. So is an F_c of
- *          no more than 4 eps times the positions split off (body->blur)
+ *          |H||r| in the body, the last up to (EB2)'s bound: if loads balance without the contacts,
+ *          reactions are rounding, and so is their error. The rounding of one unknown affects the
+ *          whole body. So is an F_c of no more than 4 eps times the positions split off (body->blur).
+ *          Where D r_c is no more, either, c is left out of (BO4)
  *
  * The weights are local: the compliance of the whole body on soft supports would contain the motion
  * of the body. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
@@ -201,6 +203,23 @@ static void body_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
+/* (BO1) */
+static void measure_scale(const dlsi_body *body, const double *g, const double *r, const double *u,
+                          int has_K, const body_arrays *of) {
+  const size_t d = (size_t)body->d, m = d * (size_t)body->nc;
+  const dls_sparse *Ht = &body->Ht;
+  double *arm = of->hidden; /* largest entries of the columns of H */
+  memset(arm, 0, m * sizeof *arm);
+  for (int k = 0; has_K && k < Ht->p[body->n]; k++)
+    arm[Ht->i[k]] = fmax(arm[Ht->i[k]], fabs(Ht->x[k]));
+  for (size_t k = 0; k < m; k++) {
+    const double gk = g ? g[k] : 0;
+    double force = fabs(r[k]);
+    if (arm[k] * force > *of->forces.most) force = *of->forces.most / arm[k];
+    of->scale[k] = hypot(hypot(u[k] - gk, gk), body->w[2 * (k / d) + (k % d > 0)] * force);
+  }
+}
+
 /* (BO6) */
 static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   const size_t d = (size_t)body->d, m = d * (size_t)body->nc;
@@ -208,8 +227,11 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   double *most = of->forces.sums;
   memset(most, 0, (size_t)body->parts * sizeof *most);
   memset(of->hidden, 0, m * sizeof *of->hidden);
-  for (int j = 0; j < body->n; j++)
-    if (!body->joint || !body->joint[j]) body_raise(&most[body->part[j]], of->forces.ae[j]);
+  for (int j = 0; j < body->n; j++) {
+    const double stress = fmax(0, of->forces.Hr[j] - *of->forces.most);
+    if (!body->joint || !body->joint[j])
+      body_raise(&most[body->part[j]], of->forces.ae[j] - stress);
+  }
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
       of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * most[body->part[j]];
@@ -239,14 +261,11 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
       u[Ht->i[k]] += Ht->x[k] * x[j];
       of.ut[Ht->i[k]] += fabs(Ht->x[k] * x[j]);
     }
-  for (size_t k = 0; k < m; k++) {
-    const double gk = g ? g[k] : 0, wk = body->w[2 * (k / d) + (k % d > 0)];
-    of.scale[k] = hypot(hypot(u[k] - gk, gk), wk * r[k]);
-  }
-  dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL};
   const int has_K = body->model || body->multiply;
+  if (has_K) dlsi_forces_sum(body, f, r, x, &of.forces);
+  measure_scale(body, g, r, u, has_K, &of);
+  dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL};
   if (has_K) {
-    dlsi_forces_sum(body, f, r, x, &of.forces);
     measure_hidden(body, &of);
     laws.hidden = of.hidden;
   }

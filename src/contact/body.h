@@ -27,10 +27,11 @@ typedef struct dlsi_body {
   const int *joint; /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
   const int *piece; /* n, where there are joints: dlsi_body_pieces */
   int parts, pieces;
-  const double *balanced; /* parts: |f| of a body whose loads balance in themselves and have been
+  const double *
+      balanced; /* parts: the load (dlsi_own_balanced) of a body whose loads balance in themselves and have been
                              split off, the scale of its rounding while no contact presses it;
                              NULL: 0 */
-  const double *blur;     /* m: size of the positions split off, whose rounding g has; NULL: 0 */
+  const double *blur; /* m: size of the positions split off, whose rounding g has; NULL: 0 */
 } dlsi_body;
 
 /* Finds entry *at = 0, 1, .. of column j that counts: all, or those of the lower triangle of a
@@ -76,13 +77,14 @@ typedef struct dlsi_forces {
   double *pull;   /* joints: minus the forces of joints on positions */
   double *reach;  /* joints: K_jj, then the lengths at positions and in joints */
   double *sums;   /* 10 for each piece and each part: largest numbers, then sums of squares */
+  double *most;   /* 1: the most that |H||r| of a body measures */
 } dlsi_forces;
 
 /* Returns the doubles of the arrays; places them in work. */
 size_t dlsi_forces_scratch(const dlsi_body *body);
 dlsi_forces dlsi_forces_in(const dlsi_body *body, double *work);
 
-/* Sets Hr := |H||r|, e := K x - f - H r, ae := |K||x| + |f| + |H||r|. */
+/* Sets Hr := |H||r|, e := K x - f - H r, ae := |K||x| + |f| + |H||r|, most. */
 void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, const double *x,
                      const dlsi_forces *of);
 

@@ -243,6 +243,13 @@ typedef struct measured_sums {
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
 
+/* Returns 1 if F_c is no more than `hidden`. */
+static inline int is_hidden(int d, const dlsi_laws *of, size_t o) {
+  for (int i = 0; i < d; i++)
+    if (!(fabs(of->F[o + (size_t)i]) <= of->hidden[o + (size_t)i])) return 0;
+  return 1;
+}
+
 /* Fills size (d) with the scale of the rounding of F_c in this state; a: size of the terms in the
  * sum u.
  *
@@ -252,18 +259,22 @@ enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
  *                                                     w_t |r_t| |a_t| / |v_t| for the direction
  *   free   F = D r is as good as exact                0
  *
- * A contact that sticks, but would slip with another rounding of v_n, adds mu k (a_n + w_n r_n). */
+ * A contact that sticks, but would slip with another rounding of v_n, adds mu k (a_n + w_n r_n).
+ * Where F_c and D r_c are hidden, r_c is 0, and the rounding of its position presses nothing. */
 static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
                               double *size) {
   const size_t o = (size_t)d * (size_t)k;
   const double *w = of->w + 2 * (size_t)k, mu = of->mu[k], *r = of->r + o, *u = of->u + o;
   double v[3] = {0}, Dr[3] = {0};
+  int zero = of->hidden && is_hidden(d, of, o);
+  for (int i = 0; i < d; i++)
+    zero &= zero && w[i > 0] * fabs(r[i]) <= of->hidden[o + (size_t)i];
   for (int i = 0; i < d; i++) {
-    size[i] = state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
+    size[i] = zero || state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
     Dr[i] = w[i > 0] * fabs(r[i]);
     v[i] = w[i > 0] * r[i] - u[i];
   }
-  if (d == 1 || state == DLS_FREE || dlsi_is_bonded(mu)) return;
+  if (zero || d == 1 || state == DLS_FREE || dlsi_is_bonded(mu)) return;
   const double per_n = mu * (w[1] / w[0]), radius = per_n * (size[0] + Dr[0]);
   const double t = dlsi_tangent_norm(d, v);
   if (state == DLS_STICK) {
@@ -348,10 +359,9 @@ static inline void measure_laws(int d, const dlsi_laws *of, int k, double larges
     raise_to(&c->slip_direction, ut);
 }
 
-/* Sets the F of contact k to 0 if it is no more than `hidden`. */
+/* Sets the F of a contact to 0 if it is no more than `hidden`. */
 static inline void hide_rounding(int d, const dlsi_laws *of, size_t o) {
-  for (int i = 0; i < d; i++)
-    if (!(fabs(of->F[o + (size_t)i]) <= of->hidden[o + (size_t)i])) return;
+  if (!is_hidden(d, of, o)) return;
   for (int i = 0; i < d; i++)
     of->F[o + (size_t)i] = 0;
 }

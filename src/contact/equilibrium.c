@@ -3,8 +3,10 @@
  *
  *   (EB1)  e = K x - f - H r,   a = |K||x| + |f| + |H||r|
  *   (EB2)  of a connected body     |e| / s,   s = |H||r| + min(|f|, 100 |H||r|), but at least 1e-12
- *          of the largest s; s = |f| + |H||r| if no contact touches the body; s = |f| of before the
- *          split (body->balanced) where f' and |H||r| are below 1e-12 of it
+ *          of the largest s; s = |f| + |H||r| if no contact touches the body; the load of before
+ *          the split (body->balanced) where f' and |H||r| are below 1e-12 of it
+ *          |H||r| is at most | |K||x| + |f| | of all bodies: reactions that cancel where nothing
+ *          deforms measure nothing
  *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H||r| + |G l|, but at
  *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints
  *   (EB4)  of the joints of these bodies   |G^T x - b| / s_l,   s_l = | |G|^T y + |b| |
@@ -41,7 +43,7 @@ static size_t forces_groups(const dlsi_body *body) {
 }
 
 size_t dlsi_forces_scratch(const dlsi_body *body) {
-  return (body->joint ? 5 : 3) * (size_t)body->n + (size_t)(2 * kinds) * forces_groups(body);
+  return (body->joint ? 5 : 3) * (size_t)body->n + (size_t)(2 * kinds) * forces_groups(body) + 1;
 }
 
 dlsi_forces dlsi_forces_in(const dlsi_body *body, double *work) {
@@ -51,7 +53,8 @@ dlsi_forces dlsi_forces_in(const dlsi_body *body, double *work) {
                        .Hr = work + 2 * n,
                        .pull = work + 3 * n,
                        .reach = work + 4 * n,
-                       .sums = work + (body->joint ? 5 : 3) * n};
+                       .sums = work + (body->joint ? 5 : 3) * n,
+                       .most = work + dlsi_forces_scratch(body) - 1};
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -68,6 +71,11 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
   else
     dlsi_body_multiply(body->model, x, of->e, of->ae);
   for (int j = 0; j < body->n; j++) {
+    of->ae[j] += f ? fabs(f[j]) : 0;
+    of->Hr[j] = body->joint && body->joint[j] ? 0 : of->ae[j];
+  }
+  *of->most = dlsi_norm2(of->Hr, (size_t)body->n);
+  for (int j = 0; j < body->n; j++) {
     double sum = 0, size = 0; /* reactions that cancel press all the same */
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
       sum += Ht->x[k] * r[Ht->i[k]];
@@ -75,7 +83,7 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
     }
     of->Hr[j] = size;
     of->e[j] -= (f ? f[j] : 0) + sum;
-    of->ae[j] += (f ? fabs(f[j]) : 0) + size;
+    of->ae[j] += size;
   }
 }
 
@@ -161,6 +169,7 @@ static group forces_group(const dlsi_body *body, const dlsi_forces *of, size_t g
   double norm[kinds];
   for (size_t k = 0; k < kinds; k++)
     norm[k] = most[k] > 0 ? most[k] * sqrt(sum[k]) : most[k];
+  if (norm[3] > *of->most) norm[3] = *of->most;
   if (body->joint)
     return (group){norm[0], norm[1], norm[2] + norm[3] + norm[4], norm[2] + norm[3] + norm[4]};
   const double load = norm[2] + norm[3], itself = body->balanced ? body->balanced[g] : 0;

@@ -19,6 +19,7 @@
  *          x := x_e, g := g + H^T (x - x_e).
  *   (OW6)  The rounding of x: e = K x - f - H r, no entry more than 4 eps |K||x|, as a load is
  *          K d + rest. x := x - d: then e has only the rest, and u the displacement.
+ *   (OW7)  The positions that the rounding of f and K moves: the x_own of (OW4)'s load
  */
 #include <float.h>
 #include <math.h>
@@ -31,6 +32,7 @@ enum { most_steps = 4 };
 
 static const double suspicious = 1e-10; /* of |f|: (OW4) is worth its solves */
 static const double noise = 512;        /* (OW4) */
+static const double cancels = 1e4;      /* times y: a y - d that has lost digits (OW6) */
 
 typedef struct own_arrays {
   const dlsi_own *of;
@@ -117,6 +119,15 @@ static void own_largest(const dlsi_body *body, const double *v, double *sums) {
     if (fabs(v[j]) > sums[body->part[j]]) sums[body->part[j]] = fabs(v[j]);
 }
 
+/* (OW4) load := the rounding of f and K. */
+static void own_signs(const own_arrays *w, double *load) {
+  unsigned state = 1;
+  for (int j = 0; j < w->of->body->n; j++) {
+    state = state * 1664525u + 1013904223u;
+    load[j] = (state >> 31 ? DBL_EPSILON : -DBL_EPSILON) * (double)w->size[j];
+  }
+}
+
 /* (OW4) */
 static dls_status own_round(const own_arrays *w, const double *f, double *rest, dls_error *error) {
   const dlsi_body *body = w->of->body;
@@ -130,11 +141,7 @@ static dls_status own_round(const own_arrays *w, const double *f, double *rest, 
   long double *x = malloc((size_t)body->n * sizeof *x);
   double *load = dlsi_alloc((size_t)body->n, sizeof *load);
   dls_status status = x && load ? DLS_OK : dlsi_no_memory(error);
-  unsigned state = 1;
-  for (int j = 0; !status && j < body->n; j++) {
-    state = state * 1664525u + 1013904223u;
-    load[j] = (state >> 31 ? DBL_EPSILON : -DBL_EPSILON) * (double)w->size[j];
-  }
+  if (!status) own_signs(w, load);
   if (!status) status = own_iterate(w, load, x, error);
   if (!status) {
     own_take(w, load);
@@ -228,9 +235,10 @@ dls_status dlsi_own_land(const dlsi_own *of, double *x, double *g, dls_error *er
   return status;
 }
 
-/* (OW6) y := y - d. x: as it was given, whose rounding it is; e: scratch, n. */
+/* (OW6) y := y - d; *again: raised to 1 where y is the rounding of d. x: as it was given, whose
+ * rounding it is; e: scratch, n. */
 static dls_status own_mend(const own_arrays *w, const double *f, const double *r, const double *x,
-                           double *y, double *e, long double *d, dls_error *error) {
+                           double *y, double *e, long double *d, int *again, dls_error *error) {
   const dlsi_body *body = w->of->body;
   const dls_sparse *Ht = &body->Ht;
   for (int j = 0; j < body->n; j++)
@@ -247,16 +255,36 @@ static dls_status own_mend(const own_arrays *w, const double *f, const double *r
     e[j] = fmin(fmax((double)sum, -most), most);
   }
   const dls_status status = dlsi_own_split(w->of, e, d, e, error);
-  for (int j = 0; !status && j < body->n; j++)
+  for (int j = 0; !status && j < body->n; j++) {
     y[j] = (double)(y[j] - d[j]);
+    *again |= fabsl(d[j]) > cancels * fabs(y[j]);
+  }
   return status;
+}
+
+/* Returns K_jj, 1 if K is given by a function. */
+static double own_diagonal(const dlsi_body *body, int j) {
+  double v, sum = body->multiply != NULL;
+  for (int at = 0, i; !body->multiply && dlsi_body_entry(body->model, j, &at, &i, &v);)
+    sum += i == j ? v : 0;
+  return sum;
 }
 
 void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *rest,
                        double *balanced) {
-  memset(balanced, 0, (size_t)body->parts * sizeof *balanced);
-  for (int j = 0; j < body->n; j++)
-    balanced[body->part[j]] = hypot(balanced[body->part[j]], f[j]);
+  for (int p = 0; p < body->parts; p++)
+    balanced[p] = INFINITY;
+  for (int j = 0; j < body->n; j++) {
+    const double k = own_diagonal(body, j);
+    if (k > 0 && k < balanced[body->part[j]]) balanced[body->part[j]] = k;
+  }
+  double *size = balanced + body->parts;
+  memset(size, 0, (size_t)body->parts * sizeof *size);
+  for (int j = 0; j < body->n; j++) {
+    const double k = own_diagonal(body, j), least = balanced[body->part[j]];
+    if (k > 0) size[body->part[j]] = hypot(size[body->part[j]], f[j] * (least / k));
+  }
+  memcpy(balanced, size, (size_t)body->parts * sizeof *size);
   for (int j = 0; j < body->n; j++)
     if (rest[j] != 0) balanced[body->part[j]] = 0;
 }
@@ -278,18 +306,33 @@ void dlsi_own_blur(const dlsi_body *body, const long double *x, double *parts, d
     }
 }
 
+/* (OW7) Raises blur. x: x_own; e: n, shaken: n, blurred: m, scratch. */
+static dls_status own_shake(const own_arrays *w, const long double *x, double *e,
+                            long double *shaken, double *blurred, double *blur, dls_error *error) {
+  const dlsi_body *body = w->of->body;
+  own_rest(w, w->f, x);
+  own_signs(w, e);
+  const dls_status status = dlsi_own_split(w->of, e, shaken, e, error);
+  if (status) return status;
+  dlsi_own_blur(body, shaken, w->sums, blurred);
+  for (int k = 0; k < body->d * body->nc; k++)
+    blur[k] = fmax(blur[k], blurred[k] / DBL_EPSILON);
+  return DLS_OK;
+}
+
 dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g, const double *mu,
                             const double *r, const double *x, double *u, double *work,
                             dls_certificate *certificate, dls_error *error) {
   const dlsi_body *body = of->body;
   const size_t n = (size_t)body->n, m = (size_t)body->d * (size_t)body->nc;
   own_arrays w;
-  long double *own = malloc((n + 1) * sizeof *own);
-  double *rest = dlsi_alloc(3 * n + 2 * m + (size_t)body->parts, sizeof *rest);
+  long double *own = malloc((2 * n + 1) * sizeof *own), *shaken = own ? own + n : NULL;
+  double *rest = dlsi_alloc(3 * n + 3 * m + 2 * (size_t)body->parts, sizeof *rest);
   dls_status status = own_arrays_create(&w, of, error);
   if (!status && !(own && rest)) status = dlsi_no_memory(error);
   if (!status) {
-    double *y = rest + n, *e = y + n, *gap = e + n, *blur = gap + m, *balanced = blur + m;
+    double *y = rest + n, *e = y + n, *gap = e + n, *blur = gap + m, *blurred = blur + m,
+           *balanced = blurred + m;
     dlsi_body split = *body;
     if (f)
       memcpy(w.f, f, n * sizeof *f);
@@ -300,13 +343,19 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
     status = dlsi_own_split(of, w.f, own, rest, error);
     if (!status) {
       dlsi_own_blur(body, own, w.sums, blur);
+      status = own_shake(&w, own, e, shaken, blurred, blur, error);
+    }
+    if (!status) {
       dlsi_own_balanced(body, w.f, rest, balanced);
       dlsi_own_look(body, own, gap);
       for (size_t j = 0; j < n; j++)
         y[j] = (double)(x[j] - own[j]);
       status = dlsi_own_land(of, y, gap, error);
     }
-    if (!status) status = own_mend(&w, rest, r, x, y, e, own, error);
+    for (int turn = 0, again = 1; !status && again && turn < 2; turn++) {
+      again = 0;
+      status = own_mend(&w, rest, r, x, y, e, own, &again, error);
+    }
     if (!status) {
       split.balanced = balanced;
       split.blur = blur;

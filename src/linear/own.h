@@ -31,7 +31,9 @@ dls_status dlsi_own_split(const dlsi_own *of, const double *load, long double *x
 /* g := g + H^T x. x: n; g: m. */
 void dlsi_own_look(const dlsi_body *body, const long double *x, double *g);
 
-/* balanced := |f| by bodies where rest is 0, else 0 (dlsi_body). f, rest: n; balanced: parts. */
+/* balanced := | f k / K_jj | by bodies, k the least K_jj of the body, where rest is 0, else 0: a
+ * load on a penalty counts as the displacement that it makes. f, rest: n; balanced: 2 parts, the
+ * second half scratch. */
 void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *rest,
                        double *balanced);
 

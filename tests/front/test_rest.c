@@ -229,6 +229,39 @@ START_TEST(warm_block) {
 }
 END_TEST
 
+/* A box of weight 1 between two walls: r_t = .5 at both holds it, with any r_n >= 1 at both. An
+ * answer presses in by no .01, however large r_n, and lacks no 1e-6 of the weight. */
+START_TEST(walls_that_press) {
+  static const double presses[] = {1, 1e3, 1e6};
+  static const int none[] = {0, 0}, p[] = {0, 1, 2}, x_row[] = {0, 0}, y_row[] = {1, 1};
+  const double no = 0, n[] = {1, -1}, t[] = {1, 1}, f[2] = {0, -1}, mu[2] = {.5, .5};
+  const double rn = presses[_i];
+  const dls_model model = {.d = 2,
+                           .n = 2,
+                           .nodes = 2,
+                           .operator_kind = DLS_STIFFNESS_SPARSE,
+                           .factorization = DLS_CHOLESKY,
+                           .Ks = {2, 2, (int[]){0, 0, 0}, none, &no},
+                           .HN = {2, 2, p, x_row, n},
+                           .HT = {2, 2, p, y_row, t}};
+  dls_reduction *reduction;
+  dls_certificate c;
+  double r[4] = {rn, .5, rn, .5}, x[2] = {0, 0};
+  ck_assert(!dls_reduction_create(&reduction, &model, NULL, NULL));
+  ck_assert(!dls_reduction_load(reduction, f, NULL, NULL));
+  ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL));
+  ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_OK);
+  x[0] = -.01;
+  ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL));
+  ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
+  x[0] = 0;
+  r[1] += 1e-6;
+  ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL));
+  ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
 /* A wrong reaction, by 1e-5 of the weight, and a body that flies are seen behind the heat. */
 START_TEST(wrong_behind_heat) {
   solids S;
@@ -264,9 +297,36 @@ START_TEST(wrong_behind_heat) {
 }
 END_TEST
 
+/* Fails if K x - f - H r or a gap is more than 1e-5 of the largest load and length. */
+static void at_rest(const dls_model *model, const double *f, const double *g, const double *x,
+                    const double *r) {
+  double *e = calloc((size_t)model->n, sizeof *e), u[64], R[64] = {0}, load = 0, length = 0;
+  solids_apply(model, R, x, e);
+  for (int j = 0; j < model->n; j++) {
+    e[j] -= f[j];
+    load = fmax(load, fabs(f[j]));
+    length = fmax(length, fabs(x[j]));
+  }
+  for (int c = 0; c < model->nodes; c++) {
+    const dls_sparse *H[2] = {&model->HN, &model->HT};
+    for (int i = 0; i < 2; i++) {
+      u[2 * c + i] = g[2 * c + i];
+      for (int k = H[i]->p[c]; k < H[i]->p[c + 1]; k++) {
+        e[H[i]->i[k]] -= H[i]->x[k] * r[2 * c + i];
+        u[2 * c + i] += H[i]->x[k] * x[H[i]->i[k]];
+      }
+    }
+    ck_assert_double_ge(u[2 * c], -1e-5 * length);
+  }
+  for (int j = 0; j < model->n; j++)
+    ck_assert_double_le(fabs(e[j]), 1e-5 * load);
+  free(e);
+}
+
 /* A free block between two walls, a floor and a ceiling, with much friction; x, r and states are
- * planted at random. Splitting and Newton's method refuse 5 of the first 20; scattered states find
- * an answer (global/scatter.c). The certificate is the judge. */
+ * planted at random. Splitting and Newton's method find few of the answers, scattered states most
+ * (global/scatter.c). Here the planted loads are the judge: an answer leaves no more than 1e-5 of
+ * them, although reactions beyond 1e8 of them may cancel at an edge. */
 START_TEST(large_friction) {
   solids S;
   static const int count[3] = {2, 3, 1};
@@ -282,7 +342,7 @@ START_TEST(large_friction) {
   double *x = calloc(5 * (size_t)n, sizeof *x), *planted = x + n, *f = planted + n, *R = f + n;
   double r[64], force[64], u[64], friction[32];
   const double mu = _i ? 100 : 30;
-  int scattered = 0;
+  int scattered = 0, refused = 0;
   for (int seed = 0; seed < 20; seed++) {
     const int k = 20 * _i + seed;
     for (int j = 0; j < n; j++)
@@ -315,9 +375,10 @@ START_TEST(large_friction) {
     ck_assert(!dls_reduction_load(reduction, f, u, NULL));
     const dls_status status =
         dls_reduction_solve(reduction, friction, NULL, r, NULL, x, &info, NULL);
-    ck_assert_msg(dls_solved(status), "%d: %s", seed, dls_status_text(status));
+    refused += !dls_solved(status);
+    if (dls_solved(status)) at_rest(model, f, u, x, r);
     ck_assert(!dls_reduction_certify(reduction, friction, r, x, NULL, &again, NULL));
-    ck_assert_int_ne(dls_certificate_verdict(&again, 1e-8), DLS_STALLED);
+    ck_assert_int_eq(dls_certificate_verdict(&again, 2e-8) == DLS_STALLED, !dls_solved(status));
     char text[2000];
     ck_assert_uint_lt(dls_explain(&info, text, sizeof text), sizeof text);
     ck_assert(!strstr(text, "scatter") == !(info.stage[info.stages - 1].step == DLS_STEP_SCATTER));
@@ -325,6 +386,7 @@ START_TEST(large_friction) {
     dls_reduction_destroy(reduction);
   }
   ck_assert_int_gt(scattered, 0);
+  ck_assert_int_le(refused, 4);
   free(x);
   solids_free(&S);
 }
@@ -396,6 +458,7 @@ END_TEST
 
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
-             EACH(grasp, 0, 4), EACH(warm_block, 0, 30), ONCE(wrong_behind_heat),
-             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8), EACH(large_friction, 0, 2));
+             EACH(grasp, 0, 4), EACH(warm_block, 0, 30), EACH(walls_that_press, 0, 3),
+             ONCE(wrong_behind_heat), ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8),
+             EACH(large_friction, 0, 2));
 }
