@@ -24,15 +24,16 @@ import sys
 import tempfile
 import time
 
-ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/geometry", "src/linear", "src/files", "src/facts", "src/auto", "src/front",
-         "src/motion", "src/fe", "src/cli"]
+ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/contact", "src/geometry", "src/linear",
+         "src/files", "src/facts", "src/auto", "src/front", "src/motion", "src/fe", "src/cli"]
 # The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
     "lcp": ["lcp", "tuning"],
     "vi": ["tuning", "method", "contract"],
     "reduction": ["reduction", "motion"],
     "global": ["global", "front"],
-    "src/base": ["base", "tuning", "linear", "lcp", "contract"],
+    "src/base": ["base", "linear", "lcp", "tuning", "contract"],
+    "src/contact": ["base", "tuning", "lcp", "contract"],
     "src/geometry": ["geometry"],
     "src/linear": ["linear", "reduction", "tuning", "method"],
     "src/files": ["files"],
@@ -42,7 +43,6 @@ NEAR = {
     "src/motion": ["motion"],
     "src/fe": ["fe", "cli"],
     "src/cli": ["cli"],
-    "src/contact/exact.c": ["lcp", "front"],
 }
 # Minutes of forming and of pictures, which see the library through the same calls as the rest: for their own rooms alone,
 # after all others.
@@ -247,7 +247,7 @@ class Tree:
 def tests_of(file, tests):
     """Returns the tests in the order in which they are tried on a file."""
     own = file.startswith(("src/fe/", "src/cli/"))
-    near = NEAR.get(file) or NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
+    near = NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
     rank = lambda test: near.index(test.split("/")[0]) if test.split("/")[0] in near else len(near)
     if file.startswith("src/cli/"):  # the other tests do not link it
         tests = [t for t in tests if t.startswith("cli/")]
@@ -313,7 +313,7 @@ def main():
         tree.gather(tests)
         places = []
         for room in ROOMS:
-            for path in sorted(pathlib.Path(room).glob("*.c")):
+            for path in sorted(pathlib.Path(room).rglob("*.c")):
                 if str(path).startswith(own.file) and os.path.exists(tree.root / "build/obj" / path.with_suffix(".o")):
                     places += places_of(str(path), path.read_text())
         random.Random(own.seed).shuffle(places)
