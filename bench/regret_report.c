@@ -129,7 +129,7 @@ static double tolerance_at(int count, const result *results, int k) {
 static void print_kinds(FILE *page, int count, const result *results, double *x) {
   bench_print(page,
               "\n## By kind\n\nThe worst regret of a kind, and the worst to the peer, at each "
-              "tolerance.\n\n| kind |");
+              "tolerance; kinds with a regret\nof 2 or more, the screen has all.\n\n| kind |");
   int tols = 0;
   for (double tol; (tol = tolerance_at(count, results, tols)) > 0; tols++)
     bench_print(page, " %g | peer |", tol);
@@ -142,13 +142,19 @@ static void print_kinds(FILE *page, int count, const result *results, double *x)
     for (int i = 0; i < k && !before; i++)
       before = strcmp(results[i].kind, results[k].kind) == 0;
     if (before) continue;
-    bench_print(page, "| %s |", results[k].kind);
+    double worst = 0;
+    for (int t = 0; t < tols; t++)
+      worst = fmax(worst, figures_of(count, results, NULL, results[k].kind,
+                                     tolerance_at(count, results, t), x)
+                              .worst);
+    FILE *const kept = worst >= 2 ? page : NULL;
+    bench_print(kept, "| %s |", results[k].kind);
     for (int t = 0; t < tols; t++) {
       const figures f =
           figures_of(count, results, NULL, results[k].kind, tolerance_at(count, results, t), x);
-      bench_print(page, f.count ? " %.1f | %.2f |" : " | |", f.worst, f.beside_peer);
+      bench_print(kept, f.count ? " %.1f | %.2f |" : " | |", f.worst, f.beside_peer);
     }
-    bench_print(page, "\n");
+    bench_print(kept, "\n");
   }
 }
 
