@@ -88,21 +88,21 @@ static double unknowns_of(const dls_contact *p, double *r) {
   return dlsi_auto_count_unknowns(p, r);
 }
 
-static void price_problem(FILE *page, const char *kind, const dls_contact *p, tally *all) {
+static void price_problem(const char *kind, const dls_contact *p, tally *all) {
   const int m = p->d * p->nc;
   double *r = calloc((size_t)m, sizeof *r), sweep = 0, plain = 1;
   if (!r) exit(1);
   const double k = unknowns_of(p, r);
-  bench_print(page, "| %s | %s | %d | %d | %.0f |", kind, p->W.a ? "dense" : "blocks", p->d, p->nc,
+  bench_print(NULL, "| %s | %s | %d | %d | %.0f |", kind, p->W.a ? "dense" : "blocks", p->d, p->nc,
               k);
   for (int run = 0; run < methods; run++) {
     dls_info info = {0};
     const double seconds = m <= runs[run].rows ? time_run(p, run, r, &info) : INFINITY;
     if (run == 0) sweep = seconds / info.iterations;
-    if (run == 0) bench_print(page, " %.3g |", 1e6 * sweep);
+    if (run == 0) bench_print(NULL, " %.3g |", 1e6 * sweep);
     if (run == 0) continue;
     if (!(seconds < INFINITY) || info.iterations < least_steps) {
-      bench_print(page, " |");
+      bench_print(NULL, " |");
       continue;
     }
     const dls_stage stage = {.method = info.method,
@@ -112,36 +112,39 @@ static void price_problem(FILE *page, const char *kind, const dls_contact *p, ta
     const double measured = (seconds / sweep - plain * info.sweeps) / steps;
     const int off = !(measured <= 2 * assumed && assumed <= 2 * measured);
     if (run == 1) plain = measured;
-    if (run == 1) bench_print(page, " %.2g |", measured);
+    if (run == 1) bench_print(NULL, " %.2g |", measured);
     if (run == 1) continue;
-    bench_print(page, off ? " **%.3g** %.3g |" : " %.3g %.3g |", measured, assumed);
+    bench_print(NULL, off ? " **%.3g** %.3g |" : " %.3g %.3g |", measured, assumed);
     all[run].wrong += off;
     all[run].ratio[all[run].count++] = measured / assumed;
   }
-  bench_print(page, "\n");
+  bench_print(NULL, "\n");
   free(r);
 }
 
 int price_report(FILE *page, uint64_t seed) {
   static tally all[methods];
   int wrong = 0;
-  bench_print(page, "Each step: measured and assumed, in accelerated sweeps; **more than a factor "
-                    "of 2 apart**.\n\n| problem | W | d | contacts | unknowns | sweep us |");
+  bench_print(page, "The cost of a step in accelerated sweeps: measured over assumed. The screen "
+                    "has each problem.\n\n");
+  bench_print(NULL, "measured and assumed; **more than a factor of 2 apart**\n\n| problem | W | d "
+                    "| contacts | unknowns | sweep us |");
   for (int run = 1; run < methods; run++)
-    bench_print(page, " %s |", runs[run].name);
-  bench_print(page, "\n|---|---|---|---|---|---|");
+    bench_print(NULL, " %s |", runs[run].name);
+  bench_print(NULL, "\n|---|---|---|---|---|---|");
   for (int run = 1; run < methods; run++)
-    bench_print(page, "---|");
-  bench_print(page, "\n");
+    bench_print(NULL, "---|");
+  bench_print(NULL, "\n");
   for (int j = 0; j < kind_count; j++)
     for (int i = 0; i < size_count; i++) {
       regret_problem a;
       if (sizes[i] > regret_most(kinds[j])) continue;
       if (regret_create(&a, kinds[j], sizes[i], .5, seed)) exit(1);
-      price_problem(page, kinds[j], &a.contact, all);
+      price_problem(kinds[j], &a.contact, all);
       regret_free(&a);
     }
-  bench_print(page, "\n| method | problems | measured / assumed, median | beyond 2 | |\n"
+  bench_print(NULL, "\n");
+  bench_print(page, "| method | problems | measured / assumed, median | beyond 2 | |\n"
                     "|---|---|---|---|---|\n");
   for (int run = 2; run < methods; run++) {
     const int failed = all[run].wrong > (all[run].count + 9) / 10;

@@ -36,7 +36,7 @@ Written by \`SEED=$seed bench/constants.sh\`: $(date -u '+%d %B %Y'), commit $(g
 $all generated problems (bench/auto_total.c), 24 to 500 contacts, to 1e-6 and
 1e-8. Unchanged, auto solves $solved of them, at $mean sweeps (geometric mean of the cost by src/auto/price.c, which is
 the same in every run). Change of that cost with half and twice the constant; in brackets the change of the number solved.
-0: the constant has no effect on these problems; the table in src/auto/constants.h has the reason for its value.
+The table in src/auto/constants.h has the reason for each value.
 
 | constant | value | halved | doubled |
 |---|---|---|---|
@@ -51,5 +51,6 @@ for name in $names; do
       x = 100 * (b / m - 1); if (x < .05 && x > -.05) x = 0
       printf (x ? "%+.1f %%" : "%d"), x; if (a - s) printf " (%+d)", a - s }') |"
   done
-  echo "$line"
+  case $line in *"| 0 | 0 |") idle="${idle:+$idle, }\`$name\` $(value_of "$name")" ;; *) echo "$line" ;; esac
 done
+[ -z "${idle:-}" ] || printf '\nWithout an effect on these problems: %s.\n' "$idle"

@@ -77,14 +77,14 @@ static double spent_step(spent *a, const plan *p, const dls_contact *problem, co
   return seconds;
 }
 
-static void print_step(FILE *page, int step, const column *a, const dls_info *info,
-                       const double *seconds, double residual) {
+static void print_step(int step, const column *a, const dls_info *info, const double *seconds,
+                       double residual) {
   int kept = 0, acting = 0;
   for (int c = 0; c < a->now.count; c++) {
     kept += a->from[c] >= 0;
     acting += a->q[3 * c] < 0;
   }
-  bench_print(page, "| %d | %d | %.1f | %.0f | %.2f | %d | %.2f | %d | %.2f | %.1e |\n", step,
+  bench_print(NULL, "| %d | %d | %.1f | %.0f | %.2f | %d | %.2f | %d | %.2f | %.1e |\n", step,
               a->now.count, 100. * kept / a->now.count, 100. * acting / a->now.count,
               1e3 * seconds[0], info[0].iterations, 1e3 * seconds[1], info[1].iterations,
               seconds[1] / seconds[0], residual);
@@ -99,7 +99,7 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
   if (column_create(&a, kind, count, 2)) exit(1);
   for (int k = 0; k < 2; k++)
     spent_create(&way[k], p, k, a.most);
-  bench_print(p->page,
+  bench_print(NULL, /* the steps are for the screen */
               "\n## %s, %d spheres\n\n| step | contacts | known, %% | closing, %% | cold, ms | "
               "sweeps | warm, ms | sweeps | ratio | residual, warm |\n|---|---|---|---|---|---|---"
               "|---|---|---|\n",
@@ -113,7 +113,7 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
       seconds[i] = spent_step(&way[i], p, &a.contact, i ? a.from : NULL, &info[i]);
     }
     if (k >= kind->before && (k - kind->before) % (p->steps > shown ? p->steps / shown : 1) == 0)
-      print_step(p->page, k, &a, info, seconds, info[1].certificate.residual);
+      print_step(k, &a, info, seconds, info[1].certificate.residual);
     if (k >= kind->before) ratio[k - kind->before] = seconds[1] / seconds[0];
     column_move(&a, way[0].r);
   }
@@ -175,7 +175,8 @@ int main(int argc, char **argv) {
   bench_print(p.page,
               "Steps in time by the scheme of Moreau and Jean, friction 0.4, to residual %g. Each "
               "step is solved cold and, with dls_solver_map, warm; the cold answer moves the "
-              "spheres. Known contacts were there in the step before; closing ones have q_n < 0.\n",
+              "spheres. The screen shows ten steps of each: known contacts were there in the step "
+              "before, closing ones have q_n < 0.\n",
               p.tol);
   for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++)
     for (int s = 0; s < p.size_count; s++)

@@ -150,6 +150,7 @@ static void fold_draw(const hard_problem *h, uint64_t *draw, double *projected, 
 
 int hard_fold_table(FILE *page, const char *out) {
   FILE *csv = bench_open(out, "hard_fold.csv");
+  double least = INFINITY, most = 0;
   if (!csv) return 1;
   fprintf(csv, "contacts,condition,seed,below,projected,above,distance,proved\n");
   bench_print(page,
@@ -169,12 +170,20 @@ int hard_fold_table(FILE *page, const char *out) {
           fold_draw(&h, &draw, &projected, &pair);
         fprintf(csv, "%d,%g,%d,%g,%g,%g,%g,%d\n", nc, condition, (int)seed, d.friction_unique,
                 projected, pair.friction, pair.distance, pair.proved);
-        bench_print(page, "| %d | %.0e | %d | %.3g | %.3g | %.3g | %.1e | %s |\n", nc, condition,
-                    (int)seed, d.friction_unique, projected, pair.friction, pair.distance,
+        least = fmin(least, pair.friction / d.friction_unique);
+        most = fmax(most, pair.friction / d.friction_unique);
+        bench_print(seed > 2 ? NULL : page, "| %d | %.0e | %d | %.3g | %.3g | %.3g | %.1e | %s |\n",
+                    nc, condition, (int)seed, d.friction_unique, projected, pair.friction,
+                    pair.distance,
                     isinf(pair.friction) ? "-"
                     : pair.proved        ? "yes"
                                          : "no");
         hard_free(&h);
       }
+  bench_print(
+      page,
+      "\nWith seed 4, too: two answers at %.2g to %.2g times the friction below which there "
+      "is one.\n",
+      least, most);
   return fclose(csv) != 0;
 }

@@ -167,7 +167,8 @@ int papers_lemke(FILE *page, const char *out) {
   for (int kind = 0; kind < kinds; kind++) {
     for (int k = 0; k < sizes[kind]; k++) {
       const lemke_row *r = &row[kind][k];
-      bench_print(page, "| %s | %g | %g | %g | %.2g | %s%.0e | %g | %.2g | %s%.0e | %.2g |\n",
+      bench_print(k < sizes[kind] - 1 ? NULL : page,
+                  "| %s | %g | %g | %g | %.2g | %s%.0e | %g | %.2g | %s%.0e | %.2g |\n",
                   kind_name[kind], r->n / 3, r->n, r->pivots[0], r->cpu[0],
                   r->solved[0] ? "" : "not solved, ", r->residual[0], r->pivots[1], r->cpu[1],
                   r->solved[1] ? "" : "not solved, ", r->residual[1], r->by_auto);

@@ -196,10 +196,11 @@ int papers_weighting(FILE *page, const char *out) {
       for (int w = 0; w < 2; w++) {
         const weighting_row *r = &row[k][n][w];
         if (!r->nc) continue;
-        bench_print(page, "| %s | %d | %s | %.3g | %.1e | %.2g | ", kind[k].name, r->nc,
+        FILE *const kept = n ? NULL : page;
+        bench_print(kept, "| %s | %d | %s | %.3g | %.1e | %.2g | ", kind[k].name, r->nc,
                     w ? "weighted" : "concentrated", r->least, r->definite, r->unique);
-        if (r->asked) bench_print(page, "%d of %d", r->answers, r->asked);
-        bench_print(page, " | %d of %d | %.0e | %.1e |\n", r->pulls, r->carrying, fabs(r->pull),
+        if (r->asked) bench_print(kept, "%d of %d", r->answers, r->asked);
+        bench_print(kept, " | %d of %d | %.0e | %.1e |\n", r->pulls, r->carrying, fabs(r->pull),
                     r->error);
       }
   bench_print(page, "\n![Densities along the line, and their error](papers_weighting.png)\n");

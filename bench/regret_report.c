@@ -77,14 +77,10 @@ static void print_worst(FILE *page, int count, const result *results, const stru
     if (at < 0) return;
     const result *r = &results[at];
     taken[at] = 1;
-    bench_print(page, "| %.1f | %d | %.3g | %s %.3g |", regret_of(r), r->nc, 1e3 * r->automatic,
+    bench_print(page, "| %.1f | %d | %.3g | %s %.3g | ", regret_of(r), r->nc, 1e3 * r->automatic,
                 r->method, 1e3 * r->best);
-    if (isfinite(r->peer))
-      bench_print(page, " %s %.3g | ", r->peer_method, 1e3 * r->peer);
-    else
-      bench_print(page, " | ");
     print_command(page, r);
-    bench_print(page, " | %s |\n", r->stages);
+    bench_print(page, " |\n");
   }
 }
 
@@ -132,18 +128,33 @@ static double tolerance_at(int count, const result *results, int k) {
 
 static void print_kinds(FILE *page, int count, const result *results, double *x) {
   bench_print(page,
-              "\n## By kind\n\n| kind | tol | solved | median | nine tenths | worst | unsolved "
-              "| slower than peer | worst to peer |\n|---|---|---|---|---|---|---|---|---|\n");
+              "\n## By kind\n\nThe worst regret of a kind, and the worst to the peer, at each "
+              "tolerance; kinds with a regret\nof 2 or more, the screen has all.\n\n| kind |");
+  int tols = 0;
+  for (double tol; (tol = tolerance_at(count, results, tols)) > 0; tols++)
+    bench_print(page, " %g | peer |", tol);
+  bench_print(page, "\n|---|");
+  for (int t = 0; t < 2 * tols; t++)
+    bench_print(page, "---|");
+  bench_print(page, "\n");
   for (int k = 0; k < count; k++) {
     int before = 0;
     for (int i = 0; i < k && !before; i++)
       before = strcmp(results[i].kind, results[k].kind) == 0;
-    for (int t = 0; !before && tolerance_at(count, results, t) > 0; t++) {
-      const double tol = tolerance_at(count, results, t);
-      const figures f = figures_of(count, results, NULL, results[k].kind, tol, x);
-      bench_print(page, "| %s | %g |", results[k].kind, tol);
-      print_figures(page, &f);
+    if (before) continue;
+    double worst = 0;
+    for (int t = 0; t < tols; t++)
+      worst = fmax(worst, figures_of(count, results, NULL, results[k].kind,
+                                     tolerance_at(count, results, t), x)
+                              .worst);
+    FILE *const kept = worst >= 2 ? page : NULL;
+    bench_print(kept, "| %s |", results[k].kind);
+    for (int t = 0; t < tols; t++) {
+      const figures f =
+          figures_of(count, results, NULL, results[k].kind, tolerance_at(count, results, t), x);
+      bench_print(kept, f.count ? " %.1f | %.2f |" : " | |", f.worst, f.beside_peer);
     }
+    bench_print(kept, "\n");
   }
 }
 
@@ -166,8 +177,8 @@ void regret_report(FILE *page, int count, const result *results) {
       const double tol = tolerance_at(count, results, t);
       bench_print(page, "\n## The worst of %d to %d contacts at %g\n\n", bands[b].least,
                   bands[b].most, tol);
-      bench_print(page, "| regret | contacts | auto, ms | best method, ms | peer, ms | command | "
-                        "stages: iterations, CPU, residual |\n|---|---|---|---|---|---|---|\n");
+      bench_print(page, "| regret | contacts | auto, ms | best method, ms | command |\n"
+                        "|---|---|---|---|---|\n");
       print_worst(page, count, results, &bands[b], tol, taken);
     }
   print_unsolved(page, count, results);

@@ -12,8 +12,9 @@
  *   --bodies  kinds of rigid.h as bodies, W = H^T H, not by blocks; without the peer
  *   --only    these of delassus: auto, nlgs, momentum, anderson, admm, augmented
  *
- * Writes scale.md and, for scale.gp, scale.csv: kind, contacts, CPU of auto, of the best other
- * method, of the peer; empty for none.
+ * Writes scale.md, the largest size of each kind, and, for scale.gp, scale.csv with all of them:
+ * kind, contacts, CPU of auto, of the best other method, of the peer; empty for none. The screen
+ * shows all.
  *
  * Time is CPU of the solve from r = 0 (solvers_call.c). A cell that is not a time shows how the
  * solve ended. The exponent of growth is the slope of log(time of auto) over log(contacts).
@@ -99,6 +100,11 @@ static int is_wanted(const plan *p, const char *name) {
   return !p->only;
 }
 
+/* Returns 1 if a method beside auto is wanted. */
+static int has_other(const plan *p) {
+  return !p->only || strcmp(p->only, "auto") != 0;
+}
+
 /* Prints a over b; nothing where neither is a time. */
 static void print_ratio(FILE *page, double a, double b) {
   if (isfinite(a) && isfinite(b))
@@ -128,34 +134,33 @@ static outcome run_peer(const plan *p, const scene *s) {
   return o;
 }
 
-/* Measures one problem. Returns the time of auto. */
-static double run_problem(const plan *p, const char *kind, const dls_contact *problem,
-                          unsigned long seed) {
+/* Measures one problem. page: NULL shows it on the screen alone. worst: the largest time of auto
+ * over the peer's so far. Returns the time of auto. */
+static double run_problem(const plan *p, FILE *page, const char *kind, const dls_contact *problem,
+                          unsigned long seed, double *worst) {
   scene s = {.set = kind, .contact = *problem};
   double best = INFINITY, automatic = INFINITY;
-  bench_print(p->page, "| %s | %lu | %d |", kind, seed, problem->nc);
+  bench_print(page, "| %s | %lu | %d |", kind, seed, problem->nc);
   for (int k = 0; k < own_count; k++) {
-    if (problem->nc > own[k].most || !is_wanted(p, own[k].name)) {
-      bench_print(p->page, " |");
+    if (!is_wanted(p, own[k].name)) continue;
+    if (problem->nc > own[k].most) {
+      bench_print(page, " |");
       continue;
     }
     const outcome o = measure(&s, own_solve, &own[k], p->tol, p->limit);
-    const double t = print_cell(p->page, &o, p->tol);
+    const double t = print_cell(page, &o, p->tol);
     if (k == 0)
       automatic = t;
     else
       best = fmin(best, t);
   }
   double peer = INFINITY;
-  if (p->no_peer)
-    bench_print(p->page, " - |");
-  else {
+  if (!p->no_peer) {
     const outcome o = run_peer(p, &s);
-    peer = print_cell(p->page, &o, p->tol);
+    peer = print_cell(page, &o, p->tol);
   }
-  print_ratio(p->page, automatic, best);
-  print_ratio(p->page, automatic, peer);
-  bench_print(p->page, "\n");
+  if (has_other(p)) print_ratio(page, automatic, best);
+  if (isfinite(automatic) && isfinite(peer)) *worst = fmax(*worst, automatic / peer);
   const double time[] = {automatic, best, peer};
   fprintf(p->csv, "%s,%d", kind, problem->nc);
   for (int k = 0; k < 3; k++)
@@ -184,23 +189,36 @@ static int create_problem(const plan *p, regret_problem *a, const char *kind, so
 
 static void run_kind(const plan *p, const char *kind, source of) {
   double sum[5] = {0}; /* 1, x, y, x x, x y */
-  for (int k = 0; k < p->size_count; k++)
-    for (int s = 0; s < p->seeds && !(of == ELASTIC && p->sizes[k] > elastic_most); s++) {
+  double worst = NAN;
+  int count = p->size_count, tried = 0;
+  while (of == ELASTIC && count > 0 && p->sizes[count - 1] > elastic_most)
+    count--;
+  for (int k = 0; k < count; k++)
+    for (int s = 0; s < p->seeds; s++) {
       regret_problem a;
       const unsigned long seed = p->seed + 2 * (unsigned long)s;
       if (create_problem(p, &a, kind, of, p->sizes[k], seed)) {
         fprintf(stderr, "%s: unknown, or out of memory\n", kind);
         continue;
       }
-      const double x = log(a.contact.nc), y = log(run_problem(p, kind, &a.contact, seed));
+      FILE *page = k == count - 1 ? p->page : NULL;
+      const double x = log(a.contact.nc),
+                   y = log(run_problem(p, page, kind, &a.contact, seed, &worst));
       const double terms[] = {1, x, y, x * x, x * y};
       for (int t = 0; t < 5 && isfinite(y); t++)
         sum[t] += terms[t];
       regret_free(&a);
+      tried++;
+      if (page && s == p->seeds - 1) {
+        const double slope =
+            (sum[0] * sum[4] - sum[1] * sum[2]) / (sum[0] * sum[3] - sum[1] * sum[1]);
+        bench_print(page, " %.0f of %d | ", sum[0], tried);
+        bench_print(page, isfinite(slope) ? "%.2f |" : "|", slope);
+        if (!p->no_peer) bench_print(page, isfinite(worst) ? " %.2f |" : " |", worst);
+      } else
+        bench_print(page, p->no_peer ? " | |" : " | | |");
+      bench_print(page, "\n");
     }
-  const double slope = (sum[0] * sum[4] - sum[1] * sum[2]) / (sum[0] * sum[3] - sum[1] * sum[1]);
-  if (p->size_count > 1 && isfinite(slope))
-    bench_print(p->page, "| %s | | time ~ n^%.2f |\n", kind, slope);
 }
 
 static int read_options(int argc, char **argv, plan *p, const char **out) {
@@ -258,14 +276,16 @@ int main(int argc, char **argv) {
   p.csv = p.page ? bench_open(out, "scale.csv") : NULL;
   if (!p.csv) return 1;
   fprintf(p.csv, "kind,candidates,auto,own,peer\n");
-  bench_print(p.page,
-              "CPU seconds to residual %g (iterations); auto over the best other method of "
-              "delassus, and over Siconos' Gauss-Seidel.\n\n| kind | seed | candidates |",
-              p.tol);
+  bench_print(p.page, "residual %g.\n\n| kind | seed | contacts |", p.tol);
+  int columns = 2;
   for (int k = 0; k < own_count; k++)
-    bench_print(p.page, " %s |", own[k].name);
-  bench_print(p.page, " Siconos | auto / own | auto / peer |\n|---|---|---|");
-  for (int k = 0; k < own_count + 3; k++)
+    if (is_wanted(&p, own[k].name)) bench_print(p.page, " %s |", own[k].name), columns++;
+  if (!p.no_peer) bench_print(p.page, " Siconos |"), columns += 2;
+  if (has_other(&p)) bench_print(p.page, " auto / own |"), columns++;
+  bench_print(p.page, " solved | exponent |");
+  if (!p.no_peer) bench_print(p.page, " worst beside Siconos |");
+  bench_print(p.page, "\n|---|---|---|");
+  for (int k = 0; k < columns; k++)
     bench_print(p.page, "---|");
   bench_print(p.page, "\n");
   int known = 0;

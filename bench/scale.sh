@@ -18,6 +18,13 @@ table() {
   run "$@"
   if [ ! -e "$out/page" ]; then
     sed -n "3s/ BENCH='[^']*'//; 1,4p" "$out/scale.md" >"$out/page"
+    cat >>"$out/page" <<'END'
+The largest size of each kind: CPU seconds (iterations) until the certificate holds; limit: not within --limit. Solved: by
+auto, of all sizes and seeds. Exponent: of the time of auto against contacts, over all sizes. auto / own: its time over the
+best other column of delassus; worst beside Siconos: the largest time of auto over Siconos' Gauss-Seidel, where both solve.
+The screen shows every size.
+
+END
     cp "$out/scale.csv" "$results/scale.csv"
   else
     echo >>"$out/page"

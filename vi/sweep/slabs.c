@@ -10,7 +10,7 @@
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
  *
  * Few slabs are near the order of the numbers, in which packings at rest take the fewest sweeps
- * (bench/results/lanes_auto.md). Four slabs keep two threads at work.
+ * (bench/results/tried.md). Four slabs keep two threads at work.
  *
  * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
  * Within a slab contacts ascend, as in memory. Parts that are not coupled follow each other in one
