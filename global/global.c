@@ -401,8 +401,7 @@ static dls_status solve_and_land(dls_global *work, int most, dls_error *error) {
     int proved = 0;
     status = dlsi_global_land(work, dlsi_global_split(work, most, error), error);
     if (status != DLS_NOT_IN_EQUILIBRIUM || !work->is_split) break;
-    const dls_status tried =
-        turn == 0 && work->system ? dlsi_global_prove(work, &proved, error) : DLS_OK;
+    const dls_status tried = turn == 0 ? dlsi_global_prove(work, &proved, error) : DLS_OK;
     if (tried || proved) return tried ? tried : DLS_NO_SOLUTION;
   }
   return status;
@@ -501,6 +500,16 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
   dlsi_tell_last(work->limits, work->begun, "global", "global", work->iterations,
                  work->best.residual, r);
   return status;
+}
+
+dls_status dlsi_global_prove_for(dls_global *work, const double *f, const double *mu, int *proved,
+                                 dls_error *error) {
+  dls_limits usual;
+  dlsi_limits_init(&usual);
+  work->limits = &usual;
+  work->begun = dlsi_clock_start(&usual);
+  solve_begin(work, f, NULL, mu, NULL, NULL);
+  return dlsi_global_prove(work, proved, error);
 }
 
 dls_status dls_global_solve(dls_global *global, const double *f, const double *g, const double *mu,

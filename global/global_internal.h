@@ -22,6 +22,9 @@
 
 /* ---- the workspace --------------------------------------------------------------------------- */
 
+/* *proved := 1 if no answer exists. */
+typedef dls_status (*dlsi_global_proof)(void *data, int *proved, dls_error *error);
+
 struct dls_global {
   atomic_int busy;
   int d, nc, nodes;
@@ -37,11 +40,13 @@ struct dls_global {
   int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in place of system, if it has functions */
-  double *R;                /* m: rho D^-1, for the solver */
-  double accuracy;          /* asked of the solver's next solve */
-  int moves;                /* 1 if `motion` proves that there is no solution */
-  int mover;                /* its body, -1: joints */
-  double *motion;           /* n */
+  dlsi_global_proof prove;  /* in place of motion.c, or NULL */
+  void *prover;
+  double *R;       /* m: rho D^-1, for the solver */
+  double accuracy; /* asked of the solver's next solve */
+  int moves;       /* 1 if `motion` proves that there is no solution */
+  int mover;       /* its body, -1: joints */
+  double *motion;  /* n */
 
   /* of the current solve */
   const dls_limits *limits;
@@ -79,6 +84,11 @@ struct dls_global {
  * body: its multiply, data, w, part, parts are borrowed. solver: copied. */
 dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const dlsi_body *body,
                                  const dls_global_solver *solver, dls_error *error);
+
+/* Looks for the motion of a proof, without a solve; f, mu: n, contacts. *proved := 1:
+ * dls_global_motion returns it. */
+dls_status dlsi_global_prove_for(dls_global *work, const double *f, const double *mu, int *proved,
+                                 dls_error *error);
 
 /* ---- pair.c ---------------------------------------------------------------------------------- */
 

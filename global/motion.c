@@ -299,6 +299,7 @@ dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
   const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m + 4 * (size_t)work->H.p[m];
   drift D = {.global = work};
   *proved = 0;
+  if (work->prove) return work->prove(work->prover, proved, error);
   if (work->model.factorization == DLS_LU || !work->system) return DLS_OK;
   double *memory = calloc(7 * n + m + 1, sizeof *memory);
   dls_status status =

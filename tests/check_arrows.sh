@@ -34,8 +34,8 @@ src/auto 11
 src/front 12
 src/motion 13
 src/fe 14
-src/mpi 14
 src/cli 15
+src/mpi 16
 src/fortran 15
 END
 

@@ -184,13 +184,19 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_global_create(dls_mpi_global **out, MPI_
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_get_info(const dls_mpi_global *global,
                                                         dls_mpi_info *info, dls_error *error);
 
-/* Solves as dls_global_solve: same statuses but DLS_NO_SOLUTION, same certificate of (x, r) in
- * *info; max_iterations, warm_start, tol, progress and cpu_seconds of rank 0 hold. f, x: rows of
- * this rank; g, r: d nodes; mu: nodes, NULL for 0. Newton steps and proofs are left out. */
+/* Solves as dls_global_solve: same statuses, same certificate of (x, r) in *info; max_iterations,
+ * warm_start, tol, progress and cpu_seconds of rank 0 hold. f, x: rows of this rank; g, r: d nodes;
+ * mu: nodes, NULL for 0. Newton steps are left out, and with a host's solver proofs. For the proof
+ * that nothing can hold a body rank 0 takes and factorises all of K; without the memory for that
+ * nothing is proved. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_solve(dls_mpi_global *global, const double *f,
                                                      const double *g, const double *mu,
                                                      const dls_limits *limits, double *r, double *x,
                                                      dls_info *info, dls_error *error);
+
+/* Returns on rank 0 the motion (n, of all ranks) that proves DLS_NO_SOLUTION after the last solve,
+ * as dls_global_motion; NULL after any other status. Not set on other ranks. Local. */
+DLS_API const double *dls_mpi_global_motion(const dls_mpi_global *global, int *body);
 
 /* Frees the object; NULL is fine. Collective. */
 DLS_API void dls_mpi_global_destroy(dls_mpi_global *global);

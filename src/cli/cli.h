@@ -98,6 +98,7 @@ int end_table(int result, const char *why, const char *title, const char *direct
  * too. */
 struct matrices;
 struct source;
+struct engine;
 typedef struct problem {
   dls_fclib *file;           /* NULL for text */
   dls_text *text;            /* NULL for FCLIB */
@@ -109,9 +110,10 @@ typedef struct problem {
   dls_reduction *reduction; /* NULL for a local problem */
   dls_model model;          /* of a global one; n = 0: none */
   const double *f, *g, *mu;
-  int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
-  int on_K;      /* 1: contact has d, nc and mu, and no W */
-  int smooth;    /* 1: H_T was not given: the tangents of contact are empty */
+  int of_bodies;               /* 1: a global one whose contact is one of bodies, not reduced */
+  int on_K;                    /* contact has d, nc and mu, and no W; 2: an engine has it */
+  int smooth;                  /* 1: H_T was not given: the tangents of contact are empty */
+  const struct engine *engine; /* solves it; NULL: this process */
   dls_contact contact;
   double reduction_cpu_seconds;
   char name[96];  /* without directories and ending; with the step */
@@ -129,6 +131,24 @@ int problem_reload(const char *name, const struct source *wanted, int loads, pro
 /* named.c: the problem of a scene, of one step where it goes in steps. */
 dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
                             dls_error *error);
+
+/* Other processes that solve a problem of a sparse K (src/mpi/main.c). */
+typedef struct engine {
+  /* Takes p->model and the loads; sets p->contact, p->on_K. p->reduction is on K. */
+  dls_status (*take)(problem *p, dls_on on, dls_error *error);
+  /* Solves as dls_reduction_solve. */
+  dls_status (*solve)(problem *p, const dls_solver_settings *settings, double *r, double *u,
+                      double *x, dls_info *info, dls_error *error);
+  /* x := K^-1 (f + H r) */
+  dls_status (*recover)(problem *p, const double *r, double *x, dls_error *error);
+  const double *(*motion)(int *body); /* as dls_reduction_motion */
+} engine;
+
+/* Runs `delassus solve`; from: NULL, or what solves. */
+int solve_with(int argc, char **argv, const engine *from);
+
+/* Drops what a command has left open, flushes stdout; returns the exit status of the program. */
+int end_program(int result);
 
 /* place.c: reduces p->model to W with the loads f, g, or takes it on K if `from` is for `solve` and
  * allows it. */

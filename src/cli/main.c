@@ -136,9 +136,5 @@ int main(int argc, char **argv) {
     result = EXIT_SOLVED;
   } else
     result = *name ? no_command(name) : (program_usage(stderr), EXIT_BAD_INPUT);
-  drop_files();
-  drop_folder();
-  drop_inputs();
-  if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
-  return result;
+  return end_program(result);
 }

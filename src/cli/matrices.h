@@ -38,8 +38,9 @@ int friction_load(const matrix_options *options, problem *p);
 /* The problem that a command is asked for, beside its name. Start from {0}. */
 typedef struct source {
   matrix_options matrices;
-  int step;   /* of a scene in steps; 0: the last with the most contacts that touch */
-  int solves; /* 1: for solve, which takes a problem on K */
+  int step;             /* of a scene in steps; 0: the last with the most contacts that touch */
+  int solves;           /* 1: for solve, which takes a problem on K */
+  const engine *engine; /* that may solve it, or NULL */
 } source;
 
 /* The rows of the options; member: the source in the data of a command. */

@@ -31,8 +31,15 @@ dls_status problem_condense(problem *p, const source *from, dls_error *error) {
   settings.allow_indefinite = p->matrices != NULL;
   settings.progress = show_reduction;
   const double start = cpu_seconds();
+  const dls_model *model = &p->model;
+  if (from->engine && model->operator_kind == DLS_STIFFNESS_SPARSE && !model->P.p &&
+      model->nodes > 0) {
+    p->engine = from->engine;
+    settings.on = DLS_ON_K;
+  }
   dls_status status = dls_reduction_create(&p->reduction, &p->model, &settings, error);
   if (!status) status = problem_take_load(p, error);
+  if (!status && p->engine) status = p->engine->take(p, from->matrices.on, error);
   p->reduction_cpu_seconds = cpu_seconds() - start;
   return status;
 }

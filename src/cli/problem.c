@@ -206,7 +206,7 @@ void problem_print(const char *path, const problem *p) {
     printf("  of %d rigid bod%s\n", p->contact.bodies.count,
            p->contact.bodies.count == 1 ? "y" : "ies");
   if (p->reduction && !p->of_bodies)
-    printf("  %s %d unknown%s in %.3g s of CPU\n", p->on_K ? "on K, of" : "reduced from",
+    printf("  %s %d unknown%s in %.3g s of CPU\n", p->on_K == 1 ? "on K, of" : "reduced from",
            p->model.n, plural(p->model.n), p->reduction_cpu_seconds);
 }
 

@@ -204,12 +204,14 @@ static dls_status prove(problem *p, outcome *o, double *r, double *u, double *x,
   dls_status status = dls_contact_prove(&p->contact, r, &o->proved, r, error);
   if (!status && o->proved.kind)
     status = dls_contact_certify(&p->contact, r, u, &o->info.certificate, error);
-  if (!status && x && o->proved.kind) status = dls_reduction_recover(p->reduction, r, x, error);
-  return status;
+  if (status || !x || !o->proved.kind) return status;
+  return p->engine ? p->engine->recover(p, r, x, error)
+                   : dls_reduction_recover(p->reduction, r, x, error);
 }
 
 source solve_source(const solve_options *options) {
   source from = options->from;
+  if (options->limit) from.engine = NULL;
   const dls_solver_settings *asked = &options->solver.settings;
   if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without ||
        asked->forces) &&
@@ -242,10 +244,13 @@ dls_status problem_solve(problem *p, const solve_options *options, solution *a, 
   const double start = cpu_seconds();
   dls_status status = DLS_STALLED;
   int mover = 0;
-  if (p->reduction)
+  if (p->engine)
+    status = p->engine->solve(p, &settings, a->r, a->u, a->x, &o->info, error);
+  else if (p->reduction)
     status = dls_reduction_solve(p->reduction, p->mu, &settings, a->r, a->u, a->x, &o->info, error);
-  const double *motion =
-      status == DLS_NO_SOLUTION ? dls_reduction_motion(p->reduction, &mover) : NULL;
+  const double *motion = status != DLS_NO_SOLUTION ? NULL
+                         : p->engine               ? p->engine->motion(&mover)
+                                                   : dls_reduction_motion(p->reduction, &mover);
   if (!p->reduction ||
       (!p->on_K && !motion && has_vectors(status))) { /* which the solver on W has */
     status = dls_solver_create(&a->solver, o->d, o->nc, &settings, error);
@@ -254,7 +259,7 @@ dls_status problem_solve(problem *p, const solve_options *options, solution *a, 
   o->solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
   if (status < 0) return status;
-  o->freedom = !dls_solved(status) ? NO_FREEDOM : FREEDOM_ON_K;
+  o->freedom = !dls_solved(status) ? NO_FREEDOM : p->on_K == 2 ? FREEDOM_TOO_LARGE : FREEDOM_ON_K;
   o->proof = options->proof;
   o->verdict = (verdict){.rows = o->nc,
                          .stride = o->d,
@@ -642,9 +647,10 @@ int settle_solve_options(solve_options *o) {
   return 1;
 }
 
-int command_solve(int argc, char **argv) {
+int solve_with(int argc, char **argv, const engine *from) {
   solve_options o;
   solve_options_init(&o);
+  o.from.engine = from;
   const int stop = take_options(argc, argv, &solve_command, &o);
   if (stop != GO_ON) return stop;
   const char *named = matrices_name(&o.from.matrices);
@@ -687,5 +693,17 @@ int command_solve(int argc, char **argv) {
   if (result != EXIT_BAD_INPUT && rows.file && !close_file(rows.file, o.plot ? o.plot : o.history))
     return EXIT_BAD_INPUT;
   if (o.plot && result != EXIT_BAD_INPUT && !draw_history(o.plot, path)) return EXIT_BAD_INPUT;
+  return result;
+}
+
+int command_solve(int argc, char **argv) {
+  return solve_with(argc, argv, NULL);
+}
+
+int end_program(int result) {
+  drop_files();
+  drop_folder();
+  drop_inputs();
+  if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
   return result;
 }

@@ -16,8 +16,8 @@
  *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
  *          |H||r| in the body, the last up to (EB2)'s bound: if loads balance without the contacts,
  *          reactions are rounding, and so is their error. The rounding of one unknown affects the
- *          whole body. So is an F_c of no more than 4 eps times the positions split off (body->blur).
- *          Where D r_c is no more, either, c is left out of (BO4)
+ *          whole body. So is an F_c of no more than 4 eps times the positions split off
+ *          (body->blur). Where D r_c is no more, either, c is left out of (BO4)
  *
  * The weights are local: the compliance of the whole body on soft supports would contain the motion
  * of the body. Cost: a product with K, O(nnz H). Fails: the weights, without memory.

@@ -27,10 +27,9 @@ typedef struct dlsi_body {
   const int *joint; /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
   const int *piece; /* n, where there are joints: dlsi_body_pieces */
   int parts, pieces;
-  const double *
-      balanced; /* parts: the load (dlsi_own_balanced) of a body whose loads balance in themselves and have been
-                             split off, the scale of its rounding while no contact presses it;
-                             NULL: 0 */
+  const double *balanced; /* parts: the load (dlsi_own_balanced) of a body whose loads balance in
+                             themselves and have been split off, the scale of its rounding while no
+                             contact presses it; NULL: 0 */
   const double *blur; /* m: size of the positions split off, whose rounding g has; NULL: 0 */
 } dlsi_body;
 

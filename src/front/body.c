@@ -158,6 +158,15 @@ static dls_status take_W(dls_reduction **out, const dls_model *model,
   return status;
 }
 
+dls_status dlsi_body_foresee(dls_reduction *reduction, int *better, dls_error *error) {
+  const dlsi_operator *H = dlsi_reduction_body(reduction).H;
+  *better = 0;
+  if ((double)H->d * H->candidates <= small_on_W) return DLS_OK;
+  const dls_status status = foresee(reduction, 1, better, error);
+  dlsi_reduction_keep(reduction, NULL, NULL);
+  return status;
+}
+
 /* Returns 1 if W is taken without a look at the costs: for few contacts, a given
  * surface, or if W is not formed. */
 static int prefers_W(const dls_model *model, const dls_reduction_settings *settings) {
@@ -239,7 +248,7 @@ static dls_status judge_body(const dls_certificate *c, double asked, double cond
   return c->equilibrium <= dlsi_target(tol, c->floor_e) ? DLS_STALLED : DLS_NOT_IN_EQUILIBRIUM;
 }
 
-static dls_reason reason_on_K(dls_status status) {
+dls_reason dlsi_body_reason(dls_status status) {
   return status == DLS_OK || status == DLS_TO_ROUNDING ? DLS_REASON_SOLVED
          : status == DLS_CANCELLED                     ? DLS_REASON_CANCELLED
          : status == DLS_TIME_LIMIT                    ? DLS_REASON_TIME
@@ -254,20 +263,21 @@ static void add_outcome(dls_info *all, const dls_info *on_K, dls_reduction *redu
   const companion *it = dlsi_reduction_body(reduction).companion;
   double residual;
   const int scattered = dlsi_global_scattered(it->global, &residual);
-  const dls_stage stages[] = {{.method = DLS_ADMM,
-                               .iterations = on_K->iterations,
-                               .factorisations = on_K->factorisations - scattered,
-                               .residual = scattered ? residual : on_K->certificate.residual,
-                               .step = DLS_STEP_ON_K,
-                               .reason = scattered ? DLS_REASON_NO_PROGRESS : reason_on_K(status)},
-                              {.method = DLS_NEWTON,
-                               .iterations = scattered,
-                               .factorisations = scattered,
-                               .residual = on_K->certificate.residual,
-                               .step = DLS_STEP_SCATTER,
-                               .reason = status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM
-                                             ? DLS_REASON_SPENT
-                                             : reason_on_K(status)}};
+  const dls_stage stages[] = {
+      {.method = DLS_ADMM,
+       .iterations = on_K->iterations,
+       .factorisations = on_K->factorisations - scattered,
+       .residual = scattered ? residual : on_K->certificate.residual,
+       .step = DLS_STEP_ON_K,
+       .reason = scattered ? DLS_REASON_NO_PROGRESS : dlsi_body_reason(status)},
+      {.method = DLS_NEWTON,
+       .iterations = scattered,
+       .factorisations = scattered,
+       .residual = on_K->certificate.residual,
+       .step = DLS_STEP_SCATTER,
+       .reason = status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM
+                     ? DLS_REASON_SPENT
+                     : dlsi_body_reason(status)}};
   for (int k = 0; k < (scattered ? 2 : 1); k++) {
     if (all->stages == DLS_STAGES_MAX) all->stages--;
     all->stage[all->stages++] = stages[k];

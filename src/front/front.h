@@ -3,6 +3,7 @@
 #define DLSI_FRONT_H
 
 #include "contact/method.h"
+#include "delassus/reduction.h"
 #include "delassus/solve.h"
 
 /* Returns the row of a method, NULL for a number that is no method. */
@@ -42,5 +43,12 @@ dls_status dlsi_scaled_end(dlsi_scaled *s, dls_status status, dls_error *error);
  * come from a solve with K. */
 void dlsi_body_judge(dls_info *info, const dls_certificate *certificate, double tol,
                      double condition);
+
+/* *better := 1 if K is estimated to be cheaper than W. The reduction is on K, and keeps nothing of
+ * the look. */
+dls_status dlsi_body_foresee(dls_reduction *reduction, int *better, dls_error *error);
+
+/* Returns why a solve on K ended with `status`. */
+dls_reason dlsi_body_reason(dls_status status);
 
 #endif

@@ -6,10 +6,14 @@
  *   (MG2)  the product with K of the certificate: body.c
  *   (MG3)  callback and clock of rank 0 (solve.c)
  *
- * All ranks get x from rank 0 with the same bits, so that all take the same branches. Newton steps
- * and proofs, which factor on one process, are left out.
+ *   (MG4)  a proof that nothing can hold a body: motion.c on rank 0, which takes all of K for it,
+ *          unless the host brings a solver; without the memory nothing is proved
+ *
+ * All ranks get x from rank 0 with the same bits, so that all take the same branches. Newton steps,
+ * which factor on one process, are left out.
  * Memory of a rank: its share of the factor, its entries of K twice, about 25 vectors of n and 40
- * of m. Fails: no memory on one rank, an error of the host's solver on one rank.
+ * of m; on rank 0, for (MG4), all of K and its factor. Fails: no memory on one rank, an error of
+ * the host's solver on one rank.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +27,9 @@ struct dls_mpi_global {
   dlsi_mpi_system system;
   dls_global_solver host; /* NULL functions: system */
   dls_global *global;
+  dls_factorization factorization;
+  double *motion;           /* n, of a proof: on rank 0 */
+  int mover;                /* its body; -1: nothing is proved */
   double *f, *x, *part;     /* n, n, rows: of all ranks; a host's x */
   double *g, *mu, *r, *own; /* m each */
   dls_mpi_info info;
@@ -61,9 +68,108 @@ static dls_status brought_solve(void *data, const double *b, double *x, double a
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
-/* Makes the problem on K from H by normals and tangents. */
-static dls_status global_join(dls_mpi_global *work, dls_factorization factorization,
-                              dls_error *error) {
+/* Splits H into normals and tangents. */
+static dls_status global_columns(const dlsi_shares *of, dlsi_columns *N, dlsi_columns *T,
+                                 dls_error *error) {
+  dlsi_triplets t;
+  dls_status status = dlsi_triplets_alloc(of->n, of->m, (size_t)of->H.p[of->m], &t, error);
+  for (int k = 0; !status && k < of->m; k++)
+    for (int e = of->H.p[k]; e < of->H.p[k + 1]; e++)
+      dlsi_triplets_add(&t, of->keep[of->H.i[e]], k, of->H.x[e]);
+  if (!status) status = dlsi_columns_compress(&t, of->d, DLSI_NORMALS, N, error);
+  if (!status) status = dlsi_columns_compress(&t, of->d, DLSI_TANGENTS, T, error);
+  dlsi_triplets_free(&t);
+  return status;
+}
+
+static dls_model global_model(const dls_mpi_global *work, const dlsi_columns *N,
+                              const dlsi_columns *T) {
+  return (dls_model){.d = work->of.d,
+                     .n = work->of.n,
+                     .nodes = work->of.nodes,
+                     .operator_kind = DLS_STIFFNESS_SPARSE,
+                     .factorization = work->factorization,
+                     .HN = dlsi_columns_view(N),
+                     .HT = dlsi_columns_view(T)};
+}
+
+/* Gathers K on rank 0. */
+static dls_status global_gather_K(const dls_mpi_global *work, dlsi_columns *K, dls_error *error) {
+  const dlsi_mpi_body *body = &work->body;
+  const MPI_Comm all = work->of.grid.all;
+  const int ranks = work->of.grid.ranks, root = work->of.grid.rank == 0;
+  const int mine = (int)body->entries;
+  int *counts = calloc(2 * (size_t)ranks, sizeof *counts);
+  dls_status status = dlsi_agree(all, counts ? DLS_OK : dlsi_no_memory(error), error);
+  dlsi_triplets t = {0};
+  if (!status) {
+    int *const starts = counts + ranks;
+    (void)MPI_Gather(&mine, 1, MPI_INT, counts, 1, MPI_INT, 0, all);
+    for (int k = 1; k < ranks; k++)
+      starts[k] = starts[k - 1] + counts[k - 1];
+    const size_t entries = (size_t)starts[ranks - 1] + (size_t)counts[ranks - 1];
+    if (root) status = dlsi_triplets_alloc(work->of.n, work->of.n, entries, &t, error);
+    status = dlsi_agree(all, status, error);
+    if (!status) {
+      t.count = (int)entries;
+      (void)MPI_Gatherv(body->row, mine, MPI_INT, t.row, counts, starts, MPI_INT, 0, all);
+      (void)MPI_Gatherv(body->col, mine, MPI_INT, t.col, counts, starts, MPI_INT, 0, all);
+      (void)MPI_Gatherv(body->x, mine, MPI_DOUBLE, t.x, counts, starts, MPI_DOUBLE, 0, all);
+      if (root) status = dlsi_columns_compress(&t, 1, DLSI_ALL, K, error);
+    }
+  }
+  dlsi_triplets_free(&t);
+  free(counts);
+  return status;
+}
+
+/* (MG4) on rank 0. */
+static dls_status global_prove_here(dls_mpi_global *work, const dlsi_columns *K, int *proved,
+                                    dls_error *error) {
+  dlsi_columns N = {0}, T = {0};
+  dls_global *alone = NULL;
+  dls_status status = global_columns(&work->of, &N, &T, error);
+  if (!status) {
+    dls_model model = global_model(work, &N, &T);
+    model.Ks = dlsi_columns_view(K);
+    status = dls_global_create(&alone, &model, error);
+  }
+  if (!status) status = dlsi_global_prove_for(alone, work->f, work->mu, proved, error);
+  const double *motion = dls_global_motion(alone, &work->mover);
+  if (!status && motion) memcpy(work->motion, motion, (size_t)work->of.n * sizeof *motion);
+  dls_global_destroy(alone);
+  dlsi_columns_free(&N);
+  dlsi_columns_free(&T);
+  return status;
+}
+
+/* (MG4) */
+static dls_status global_prove(void *data, int *proved, dls_error *error) {
+  dls_mpi_global *work = data;
+  const MPI_Comm all = work->of.grid.all;
+  dlsi_columns K = {0};
+  dls_error why = {0};
+  *proved = 0;
+  if (work->host.solve || work->factorization == DLS_LU) return DLS_OK;
+  dls_status status = global_gather_K(work, &K, &why);
+  if (!status && work->of.grid.rank == 0) status = global_prove_here(work, &K, proved, &why);
+  dlsi_columns_free(&K);
+  status = dlsi_agree(all, status, &why);
+  (void)MPI_Bcast(proved, 1, MPI_INT, 0, all);
+  (void)MPI_Bcast(&work->mover, 1, MPI_INT, 0, all);
+  if (!status || status == DLS_E_MEMORY) return DLS_OK;
+  if (error) *error = why;
+  return status;
+}
+
+const double *dls_mpi_global_motion(const dls_mpi_global *global, int *body) {
+  if (!global || global->mover < 0) return NULL;
+  if (body) *body = global->mover;
+  return global->motion;
+}
+
+/* Makes the problem on K. */
+static dls_status global_join(dls_mpi_global *work, dls_error *error) {
   const dlsi_shares *of = &work->of;
   const size_t n = (size_t)of->n, m = (size_t)of->m, rows = (size_t)of->rows;
   const dls_global_solver solver =
@@ -71,14 +177,9 @@ static dls_status global_join(dls_mpi_global *work, dls_factorization factorizat
           ? (dls_global_solver){work, brought_prepare, brought_solve}
           : (dls_global_solver){&work->system, dlsi_mpi_system_prepare, dlsi_mpi_system_solve};
   dlsi_columns N = {0}, T = {0};
-  dlsi_triplets t;
-  dls_status status = dlsi_triplets_alloc(of->n, of->m, (size_t)of->H.p[of->m], &t, error);
-  for (int k = 0; !status && k < of->m; k++)
-    for (int e = of->H.p[k]; e < of->H.p[k + 1]; e++)
-      dlsi_triplets_add(&t, of->keep[of->H.i[e]], k, of->H.x[e]);
-  if (!status) status = dlsi_columns_compress(&t, of->d, DLSI_NORMALS, &N, error);
-  if (!status) status = dlsi_columns_compress(&t, of->d, DLSI_TANGENTS, &T, error);
-  work->f = calloc(2 * n + rows + 4 * m + 1, sizeof *work->f);
+  dls_status status = global_columns(of, &N, &T, error);
+  const size_t of_motion = of->grid.rank == 0 ? n : 0;
+  work->f = calloc(2 * n + of_motion + rows + 4 * m + 1, sizeof *work->f);
   if (!status && !work->f) status = dlsi_no_memory(error);
   if (!status) {
     work->x = work->f + n;
@@ -87,29 +188,29 @@ static dls_status global_join(dls_mpi_global *work, dls_factorization factorizat
     work->mu = work->g + m;
     work->r = work->mu + m;
     work->own = work->r + m;
-    const dls_model model = {.d = of->d,
-                             .n = of->n,
-                             .nodes = of->nodes,
-                             .operator_kind = DLS_STIFFNESS_SPARSE,
-                             .factorization = factorization,
-                             .HN = dlsi_columns_view(&N),
-                             .HT = dlsi_columns_view(&T)};
+    work->motion = work->own + m;
+    const dls_model model = global_model(work, &N, &T);
     status = dlsi_global_create_on(&work->global, &model, &work->body.body, &solver, error);
+  }
+  if (!status) {
+    work->global->prove = global_prove;
+    work->global->prover = work;
   }
   dlsi_columns_free(&N);
   dlsi_columns_free(&T);
-  dlsi_triplets_free(&t);
   return dlsi_agree(of->grid.all, status, error);
 }
 
 static dls_status global_build(dls_mpi_global *work, MPI_Comm comm, const dls_mpi_model *model,
                                dls_error *error) {
+  work->factorization = model->factorization;
+  work->mover = -1;
   dls_status status = dlsi_shares_create(&work->of, comm, model, error);
   if (!status) status = dlsi_mpi_body_create(&work->body, &work->of, model, error);
   if (!status && !work->host.solve)
     status = dlsi_mpi_system_create(&work->system, &work->body, model->factorization, &work->info,
                                     error);
-  if (!status) status = global_join(work, model->factorization, error);
+  if (!status) status = global_join(work, error);
   work->info.ranks = work->of.grid.ranks;
   work->info.rank = work->of.grid.rank;
   work->info.grid[0] = work->of.grid.rows;
@@ -219,6 +320,7 @@ static dls_status mpi_global_solve(dls_mpi_global *work, const given *of, const 
   dls_status status = dlsi_agree(work->of.grid.all, given_check(work, of, &usual, error), error);
   if (status) return status;
   dlsi_mpi_watch watch;
+  work->mover = -1;
   dlsi_mpi_take_limits(&work->of.grid, &usual);
   dlsi_mpi_watch_begin(&watch, &work->of.grid, &usual);
   dlsi_shares_gather_rows(&work->of, of->f, work->f);

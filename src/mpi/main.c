@@ -1,112 +1,40 @@
-/* main.c: the program `delassus-mpi`: reads a problem on rank 0, shares it out, solves on all. */
+/*
+ * main.c: the program `delassus-mpi`: `delassus solve` on rank 0 (src/cli), with all ranks in the
+ * place of its reduction and of its solve.
+ *
+ * Rank 0 reads, checks, prints and writes. The others wait for orders: each is a broadcast, then
+ * the same collective calls on all ranks.
+ */
 #define _GNU_SOURCE
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 
-#include "delassus/files.h"
-#include "delassus/mpi.h"
-#include "delassus/solve.h"
-#include "files/file.h"
+#include "cli/cli.h"
+#include "front/front.h"
 #include "mpi_internal.h"
 
-enum { SOLVED = 0, NOT_SOLVED = 1, BAD_INPUT = 2 };
-
 static int rank, ranks;
+static int most_gathered = 1000; /* --gather */
+static int tells_ranks;          /* --ranks */
 
 static void usage(FILE *out) {
   (void)fputs(
-      "Usage: mpirun -np N delassus-mpi solve [OPTION]... FILE\n"
-      "  or:  mpirun -np N delassus-mpi solve [OPTION]... K.mtx H.mtx f.mtx w.mtx mu.mtx\n"
-      "Solves a global contact problem K x = f + H r, u = H^T x + w on N processes: an FCLIB file\n"
-      "(HDF5), or Matrix Market files, K and H (n x d nc, local order) in coordinate form.\n"
+      "Usage: mpirun -n N delassus-mpi solve [OPTION]... FILE|SCENE\n"
+      "  or:  mpirun -n N delassus-mpi solve --stiffness=K --HN=N --HT=T ... [OPTION]...\n"
+      "Solves as 'delassus solve' does, with its options and its output, on N processes. A "
+      "problem\n"
+      "with a sparse K is shared out; any other, and --limit, is solved by the first process.\n"
       "\n"
-      "  -k, --kind=KIND   of K: cholesky (symmetric positive definite), ldlt, lu (lu)\n"
-      "  -t, --tol=TOL     on the certificate (1e-8)\n"
-      "  -g, --gather=M    W of up to M rows goes to one process (1000)\n"
-      "  -o, --on=W|K      the problem on W alone, or on K itself without W (W, and K from its\n"
-      "                    answer where that is not the body's)\n"
-      "  -r, --ranks       time and memory of each phase on each process\n"
-      "  -h, --help        this text\n"
+      "      --gather=M   W of up to M rows goes to one process, where all methods, --prove\n"
+      "                   and --forces work (1000)\n"
+      "      --ranks      print time and memory of each process\n"
+      "  -h, --help       this text; 'delassus-mpi solve --help': the options of the solve\n"
       "\n"
-      "\"Solved\" is said by the certificate of the body: positions, forces, equilibrium.\n"
       "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
       out);
-}
-
-/* ---- read ------------------------------------------------------------------------------------ */
-
-/* The whole problem, on rank 0. */
-typedef struct whole {
-  int d, n, nodes;
-  dls_fclib *file;
-  dlsi_triplets K, H; /* of Matrix Market files */
-  dlsi_columns N, T;  /* ... H by parts */
-  double *read[3];    /* ... f, w, mu */
-  dls_sparse HN, HT;
-  const double *f, *g, *mu;
-} whole;
-
-static void whole_free(whole *w) {
-  dls_fclib_destroy(w->file);
-  dlsi_triplets_free(&w->K);
-  dlsi_triplets_free(&w->H);
-  dlsi_columns_free(&w->N);
-  dlsi_columns_free(&w->T);
-  for (int k = 0; k < 3; k++)
-    dls_mtx_free(w->read[k]);
-}
-
-static dls_status read_fclib(whole *w, const char *path, dls_error *error) {
-  dls_model model;
-  dls_status status = dls_fclib_read(&w->file, path, error);
-  if (!status) status = dls_fclib_model(w->file, &model, &w->f, &w->g, &w->mu, error);
-  if (status) return status;
-  w->d = model.d;
-  w->n = model.n;
-  w->nodes = model.nodes;
-  w->HN = model.HN;
-  w->HT = model.HT;
-  status = dlsi_triplets_alloc(w->n, w->n, (size_t)model.Ks.p[w->n], &w->K, error);
-  for (int j = 0; !status && j < w->n; j++)
-    for (int e = model.Ks.p[j]; e < model.Ks.p[j + 1]; e++)
-      dlsi_triplets_add(&w->K, model.Ks.i[e], j, model.Ks.x[e]);
-  return status;
-}
-
-static dls_status read_vector(const char *path, int wanted, double **x, dls_error *error) {
-  int rows, cols;
-  const dls_status status = dls_mtx_read(path, &rows, &cols, x, error);
-  if (status || (rows == wanted && cols == 1)) return status;
-  return dlsi_fail(error, DLS_E_SIZE, "path", -1, rows, "%.60s is %d x %d, not %d x 1", path, rows,
-                   cols, wanted);
-}
-
-static dls_status read_mtx(whole *w, char *const *path, dls_error *error) {
-  int cols = 0;
-  dls_status status = dlsi_mtx_read_triplets(path[0], &w->K, error);
-  if (!status) status = dlsi_mtx_read_triplets(path[1], &w->H, error);
-  if (!status) status = dls_mtx_read(path[4], &w->nodes, &cols, &w->read[2], error);
-  if (status) return status;
-  w->n = w->K.rows;
-  w->d = w->H.cols / w->nodes;
-  if (w->K.cols != w->n || w->H.rows != w->n || cols != 1 || w->H.cols != w->d * w->nodes ||
-      (w->d != 2 && w->d != 3))
-    return dlsi_fail(error, DLS_E_SIZE, "path", -1, 0, "K, H and mu do not fit");
-  status = read_vector(path[2], w->n, &w->read[0], error);
-  if (!status) status = read_vector(path[3], w->H.cols, &w->read[1], error);
-  if (!status) status = dlsi_columns_compress(&w->H, w->d, DLSI_NORMALS, &w->N, error);
-  if (!status) status = dlsi_columns_compress(&w->H, w->d, DLSI_TANGENTS, &w->T, error);
-  if (status) return status;
-  w->HN = dlsi_columns_view(&w->N);
-  w->HT = dlsi_columns_view(&w->T);
-  w->f = w->read[0];
-  w->g = w->read[1];
-  w->mu = w->read[2];
-  return DLS_OK;
 }
 
 /* ---- hand out -------------------------------------------------------------------------------- */
@@ -162,54 +90,58 @@ static int part_carve(part *s, int d, int n, dls_factorization kind, const int s
 }
 
 /* Fills the share of rank k. */
-static void part_fill(const whole *w, int k, part *s) {
-  const int lo = part_begin(w->n, k), hi = part_begin(w->n, k + 1);
-  const int a = part_begin(w->nodes, k), b = part_begin(w->nodes, k + 1), d = w->d;
+static void part_fill(const problem *w, int k, part *s) {
+  const int lo = part_begin(w->model.n, k), hi = part_begin(w->model.n, k + 1);
+  const int a = part_begin(w->model.nodes, k), b = part_begin(w->model.nodes, k + 1),
+            d = w->model.d;
   const size_t K = s->model.entries;
   size_t at = 0;
-  for (int e = 0; e < w->K.count; e++) {
-    if (w->K.row[e] < lo || w->K.row[e] >= hi) continue;
-    s->ints[at] = w->K.row[e];
-    s->ints[K + at] = w->K.col[e];
-    s->doubles[at++] = w->K.x[e];
-  }
+  for (int j = lo; j < hi; j++)
+    for (int e = w->model.Ks.p[j]; e < w->model.Ks.p[j + 1]; e++) {
+      s->ints[at] = w->model.Ks.i[e];
+      s->ints[K + at] = j;
+      s->doubles[at++] = w->model.Ks.x[e];
+    }
   int *pn = s->ints + 2 * K, *in = pn + (b - a) + 1;
-  const int N = w->HN.p[b] - w->HN.p[a];
+  const int N = w->model.HN.p[b] - w->model.HN.p[a];
   int *pt = in + N, *it = pt + (d - 1) * (b - a) + 1;
   double *xn = s->doubles + K;
-  part_columns(&w->HN, a, b, pn, in, xn);
-  part_columns(&w->HT, (d - 1) * a, (d - 1) * b, pt, it, xn + N);
-  memcpy(s->f, w->f + lo, (size_t)(hi - lo) * sizeof *s->f);
-  memcpy(s->g, w->g + d * a, (size_t)(d * (b - a)) * sizeof *s->g);
-  memcpy(s->mu, w->mu + a, (size_t)(b - a) * sizeof *s->mu);
+  part_columns(&w->model.HN, a, b, pn, in, xn);
+  part_columns(&w->model.HT, (d - 1) * a, (d - 1) * b, pt, it, xn + N);
+  if (w->f) memcpy(s->f, w->f + lo, (size_t)(hi - lo) * sizeof *s->f);
+  if (w->g) memcpy(s->g, w->g + d * a, (size_t)(d * (b - a)) * sizeof *s->g);
+  if (w->mu) memcpy(s->mu, w->mu + a, (size_t)(b - a) * sizeof *s->mu);
 }
 
-static void part_sizes(const whole *w, int k, int size[5]) {
-  const int lo = part_begin(w->n, k), hi = part_begin(w->n, k + 1), d = w->d;
-  const int a = part_begin(w->nodes, k), b = part_begin(w->nodes, k + 1);
+static void part_sizes(const problem *w, int k, int size[5]) {
+  const int lo = part_begin(w->model.n, k), hi = part_begin(w->model.n, k + 1), d = w->model.d;
+  const int a = part_begin(w->model.nodes, k), b = part_begin(w->model.nodes, k + 1);
   size[0] = hi - lo;
   size[1] = b - a;
-  size[2] = 0;
-  for (int e = 0; e < w->K.count; e++)
-    size[2] += w->K.row[e] >= lo && w->K.row[e] < hi;
-  size[3] = w->HN.p[b] - w->HN.p[a];
-  size[4] = w->HT.p[(d - 1) * b] - w->HT.p[(d - 1) * a];
+  size[2] = w->model.Ks.p[hi] - w->model.Ks.p[lo];
+  size[3] = w->model.HN.p[b] - w->model.HN.p[a];
+  size[4] = w->model.HT.p[(d - 1) * b] - w->model.HT.p[(d - 1) * a];
 }
 
 /* Gives every rank its share. Returns 0 without memory on this rank. */
-static int hand_out(const whole *w, dls_factorization kind, part *mine) {
-  int whole_size[2] = {w->d, w->n}, size[5], fine = 1;
-  (void)MPI_Bcast(whole_size, 2, MPI_INT, 0, MPI_COMM_WORLD);
+static int hand_out(const problem *w, part *mine) {
+  int whole_size[3], size[5], fine = 1;
+  if (rank == 0) {
+    whole_size[0] = w->model.d;
+    whole_size[1] = w->model.n;
+    whole_size[2] = (int)w->model.factorization;
+  }
+  (void)MPI_Bcast(whole_size, 3, MPI_INT, 0, MPI_COMM_WORLD);
   for (int k = ranks - 1; rank == 0 && k >= 0; k--) {
     part other = {0}, *s = k ? &other : mine;
     part_sizes(w, k, size);
-    const int have = part_carve(s, w->d, w->n, kind, size);
+    const int have = part_carve(s, w->model.d, w->model.n, w->model.factorization, size);
     if (have) part_fill(w, k, s);
     fine = fine && have;
     if (k == 0) break;
     if (!have) size[0] = -1;
     (void)MPI_Send(size, 5, MPI_INT, k, 0, MPI_COMM_WORLD);
-    const size_t m = (size_t)(w->d * (have ? size[1] : 0));
+    const size_t m = (size_t)(w->model.d * (have ? size[1] : 0));
     if (have) {
       (void)MPI_Send(s->ints,
                      (int)(2 * (size_t)size[2] + (size_t)size[3] + (size_t)size[4] + m + 2),
@@ -223,9 +155,9 @@ static int hand_out(const whole *w, dls_factorization kind, part *mine) {
   if (rank == 0) return fine;
   (void)MPI_Recv(size, 5, MPI_INT, 0, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
   if (size[0] < 0) return 0;
-  if (!part_carve(mine, whole_size[0], whole_size[1], kind, size)) {
+  if (!part_carve(mine, whole_size[0], whole_size[1], (dls_factorization)whole_size[2], size)) {
     (void)fprintf(stderr, "delassus-mpi: rank %d: out of memory\n", rank);
-    (void)MPI_Abort(MPI_COMM_WORLD, BAD_INPUT); /* rank 0 is about to send */
+    (void)MPI_Abort(MPI_COMM_WORLD, EXIT_BAD_INPUT); /* rank 0 is about to send */
   }
   const size_t m = (size_t)(whole_size[0] * size[1]);
   (void)MPI_Recv(mine->ints, (int)(2 * (size_t)size[2] + (size_t)size[3] + (size_t)size[4] + m + 2),
@@ -235,215 +167,317 @@ static int hand_out(const whole *w, dls_factorization kind, part *mine) {
   return 1;
 }
 
-/* ---- solve ----------------------------------------------------------------------------------- */
+/* ---- orders ---------------------------------------------------------------------------------- */
 
-static void print_ranks(const dls_mpi_info *mine, dlsi_mpi_clock solve) {
-  static const char *const names[] = {"order", "analyse", "factor", "invert", "form"};
-  dls_mpi_info *all = malloc((size_t)ranks * sizeof *all);
-  struct rusage used;
-  (void)getrusage(RUSAGE_SELF, &used);
-  double last[3] = {solve.wall, solve.cpu, 1e-3 * (double)used.ru_maxrss};
-  double *other = malloc((size_t)ranks * sizeof last);
-  if (!all || !other) (void)MPI_Abort(MPI_COMM_WORLD, BAD_INPUT);
-  (void)MPI_Gather(mine, (int)sizeof *mine, MPI_BYTE, all, (int)sizeof *mine, MPI_BYTE, 0,
-                   MPI_COMM_WORLD);
-  (void)MPI_Gather(last, 3, MPI_DOUBLE, other, 3, MPI_DOUBLE, 0, MPI_COMM_WORLD);
-  for (int k = 0; rank == 0 && k < ranks; k++) {
-    printf("  rank %d: wall (CPU) s:", k);
-    for (int p = 0; p < DLS_MPI_PHASES; p++)
-      printf(" %s %.3g (%.3g),", names[p], all[k].wall[p], all[k].cpu[p]);
-    printf(" solve %.3g (%.3g); MB: MUMPS %.0f, dense %.1f, all %.0f\n", other[3 * k],
-           other[3 * k + 1], 1e-6 * all[k].factor_bytes, 1e-6 * all[k].dense_bytes,
-           other[3 * k + 2]);
-  }
-  free(all);
-  free(other);
-}
+typedef enum order { END, TAKE, FORM_W, FORM_K, GATHER, SOLVE_W, SOLVE_K, JUDGE, TELL } order;
 
-/* Names the part with the largest rounding, as `delassus solve` does. */
-static void rounding_words(const dls_certificate *c, char *text, size_t size) {
-  const char *limited = "positions";
-  double held = fmax(4 * c->floor_u, c->residual_u);
-  const double forces = fmax(4 * c->floor_r, c->residual_r);
-  const double balance = fmax(4 * c->floor_e, c->equilibrium);
-  if (forces > held) limited = "forces", held = forces;
-  if (balance > held) limited = "equilibrium", held = balance;
-  (void)snprintf(text, size, " to rounding: %s to %.0e", limited, held);
-}
-
-/* Prints the last line, in the words of `delassus solve`. */
-static void print_ending(dls_status status, const dls_certificate *c) {
-  char how_well[80];
-  if (status == DLS_TO_ROUNDING) {
-    rounding_words(c, how_well, sizeof how_well);
-    printf("solved%s\n", how_well);
-  } else if (status == DLS_NOT_IN_EQUILIBRIUM)
-    printf("not solved: %s: a force of %.3g on body %d is not balanced\n", dls_status_text(status),
-           c->unbalanced, c->body);
-  else if (dls_solved(status))
-    printf("solved\n");
-  else
-    printf("not solved: %s\n", dls_status_text(status));
-}
-
-/* The values of the options. */
-typedef struct choice {
-  dls_factorization kind;
+/* What a rank holds; on rank 0 also what the orders are given and return. */
+typedef struct shared {
+  part mine;
+  dls_mpi_reduction *W;
+  dls_mpi_global *K;
+  dlsi_mpi_clock solve; /* of the last */
+  problem *whole;
+  double *gathered, *r, *u, *x;
   dls_mpi_settings settings;
-  char on; /* W or K; 0: W, then K if the answer is not that of the body */
-  int print;
-} choice;
+  dls_info info;
+} shared;
 
-static void print_outcome(const dls_info *info) {
-  const dls_certificate *c = &info->certificate;
-  printf("  %s: %d iterations, residual %.2e (positions %.2e, forces %.2e, equilibrium %.2e)\n",
-         dls_method_name(info->method), info->iterations, c->residual, c->residual_u, c->residual_r,
-         c->equilibrium);
+static shared all;
+
+static void shared_drop(void) {
+  dls_mpi_reduction_destroy(all.W);
+  dls_mpi_global_destroy(all.K);
+  free(all.mine.ints);
+  free(all.mine.doubles);
+  free(all.gathered);
+  all = (shared){.W = NULL};
 }
 
-/* By W. s->x receives the unknowns. */
-static dls_status solve_by_W(part *s, const choice *o, dls_info *info, dls_error *error) {
-  dls_mpi_reduction *reduction = NULL;
+/* Copies `unit` numbers for each of `count` things from rank 0 to the ranks that have them, or
+ * back. */
+static void pass(int count, int unit, double *whole, double *mine, int back) {
+  int *sizes = malloc(2 * (size_t)ranks * sizeof *sizes), *starts = sizes + ranks;
+  if (!sizes) (void)MPI_Abort(MPI_COMM_WORLD, EXIT_BAD_INPUT);
+  for (int k = 0; k < ranks; k++) {
+    starts[k] = unit * part_begin(count, k);
+    sizes[k] = unit * part_begin(count, k + 1) - starts[k];
+  }
+  if (back)
+    (void)MPI_Gatherv(mine, sizes[rank], MPI_DOUBLE, whole, sizes, starts, MPI_DOUBLE, 0,
+                      MPI_COMM_WORLD);
+  else
+    (void)MPI_Scatterv(whole, sizes, starts, MPI_DOUBLE, mine, sizes[rank], MPI_DOUBLE, 0,
+                       MPI_COMM_WORLD);
+  free(sizes);
+}
+
+/* Passes r and x to the ranks, or r, u and x back. */
+static void pass_answer(int back) {
+  const part *s = &all.mine;
+  int size[3] = {s->model.d, s->model.HN.rows};
+  size[2] = rank == 0 ? all.whole->model.nodes : 0;
+  (void)MPI_Bcast(size, 3, MPI_INT, 0, MPI_COMM_WORLD);
+  pass(size[2], size[0], all.r, s->r, back);
+  if (back) pass(size[2], size[0], all.u, s->u, back);
+  pass(size[1], 1, all.x, s->x, back);
+}
+
+static void tell_ranks(void) {
+  static const char *const names[] = {"order", "analyse", "factor", "invert", "form"};
   dls_mpi_info cost = {0};
-  dls_status status = dls_mpi_reduction_create(&reduction, MPI_COMM_WORLD, &s->model, NULL, error);
-  if (!status) status = dls_mpi_reduction_get_info(reduction, &cost, error);
-  dlsi_mpi_clock from = dlsi_mpi_now();
-  if (!status) status = dls_mpi_reduction_load(reduction, s->f, s->g, error);
-  if (!status) status = dls_mpi_solve(reduction, s->mu, &o->settings, s->r, s->u, info, error);
-  if (status >= 0) {
-    const dls_status outcome = status;
-    status = dls_mpi_reduction_recover(reduction, s->r, s->x, error);
-    if (!status) status = outcome;
+  struct rusage used;
+  dls_error error;
+  if (all.K ? dls_mpi_global_get_info(all.K, &cost, &error)
+            : dls_mpi_reduction_get_info(all.W, &cost, &error))
+    return;
+  (void)getrusage(RUSAGE_SELF, &used);
+  double mine[2 * DLS_MPI_PHASES + 5] = {all.solve.wall, all.solve.cpu, 1e-6 * cost.factor_bytes,
+                                         1e-6 * cost.dense_bytes, 1e-3 * (double)used.ru_maxrss};
+  const int count = sizeof mine / sizeof *mine;
+  for (int p = 0; p < DLS_MPI_PHASES; p++) {
+    mine[5 + 2 * p] = cost.wall[p];
+    mine[6 + 2 * p] = cost.cpu[p];
   }
-  const dlsi_mpi_clock now = dlsi_mpi_now();
-  if (status >= 0 && rank == 0) {
-    printf("  %d unknowns, %d condensed, %d rows of W, %d ranks (grid %d x %d)\n", cost.n,
-           cost.condensed, cost.m, cost.ranks, cost.grid[0], cost.grid[1]);
-    print_outcome(info);
+  for (int k = 0; k < ranks; k++) {
+    if (k && rank == k) (void)MPI_Send(mine, count, MPI_DOUBLE, 0, 0, MPI_COMM_WORLD);
+    if (rank) continue;
+    if (k) (void)MPI_Recv(mine, count, MPI_DOUBLE, k, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    tell("  rank %d: wall (CPU) s:", k);
+    for (int p = 0; p < DLS_MPI_PHASES; p++)
+      tell(" %s %.3g (%.3g),", names[p], mine[5 + 2 * p], mine[6 + 2 * p]);
+    tell(" solve %.3g (%.3g); MB: MUMPS %.0f, dense %.1f, all %.0f\n", mine[0], mine[1], mine[2],
+         mine[3], mine[4]);
   }
-  if (status >= 0 && o->print)
-    print_ranks(&cost, (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu});
-  dls_mpi_reduction_destroy(reduction);
-  return status;
 }
 
-/* By K; warm: from s->r and s->x. */
-static dls_status solve_by_K(part *s, const choice *o, int warm, dls_info *info, dls_error *error) {
-  dls_mpi_global *global = NULL;
-  dls_mpi_info cost = {0};
-  dls_limits limits = o->settings.limits;
-  limits.warm_start = warm;
-  dls_status status = dls_mpi_global_create(&global, MPI_COMM_WORLD, &s->model, NULL, error);
-  dlsi_mpi_clock from = dlsi_mpi_now();
-  if (!status)
-    status = dls_mpi_global_solve(global, s->f, s->g, s->mu, &limits, s->r, s->x, info, error);
-  const dlsi_mpi_clock now = dlsi_mpi_now();
-  if (status >= 0) {
-    const dls_status outcome = status;
-    status = dls_mpi_global_get_info(global, &cost, error);
-    if (!status) status = outcome;
-  }
-  if (status >= 0 && rank == 0) {
-    printf("  %d unknowns, %d rows of contact, on K, %d ranks, %d factorisations\n", cost.n, cost.m,
-           cost.ranks, info->factorisations);
-    print_outcome(info);
-  }
-  if (status >= 0 && o->print)
-    print_ranks(&cost, (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu});
-  dls_mpi_global_destroy(global);
-  return status;
-}
-
-/* As dls_reduction_solve: by W, then on K if the certificate of the body does not hold. */
-static dls_status solve_part(part *s, const choice *o, dls_info *info, dls_error *error) {
-  dls_status status =
-      o->on == 'K' ? solve_by_K(s, o, 0, info, error) : solve_by_W(s, o, info, error);
-  if (!o->on && status > 0 && !dls_solved(status)) status = solve_by_K(s, o, 1, info, error);
-  if (status >= 0 && rank == 0) print_ending(status, &info->certificate);
-  return status;
-}
-
-static int command_solve(char *const *path, int files, const choice *o) {
-  whole w = {0};
-  part mine = {0};
-  dls_error error = {0};
-  dls_info info = {0};
+/* Carries out an order on this rank. Collective. */
+static dls_status carry_out(order what, int warm, dls_error *error) {
+  part *s = &all.mine;
+  dls_certificate found;
   dls_status status = DLS_OK;
-  if (rank == 0) status = files == 1 ? read_fclib(&w, path[0], &error) : read_mtx(&w, path, &error);
-  status = dlsi_agree(MPI_COMM_WORLD, status, &error);
-  if (!status) {
-    if (!hand_out(&w, o->kind, &mine)) status = dlsi_no_memory(&error);
-    status = dlsi_agree(MPI_COMM_WORLD, status, &error);
+  const int solves = what == SOLVE_W || what == SOLVE_K || what == JUDGE;
+  const dlsi_mpi_clock from = dlsi_mpi_now();
+  if (solves) pass_answer(0);
+  if (rank) dls_mpi_settings_init(&all.settings);
+  all.settings.limits.warm_start = warm;
+  switch (what) {
+  case TAKE:
+    status =
+        dlsi_agree(MPI_COMM_WORLD, hand_out(all.whole, s) ? DLS_OK : dlsi_no_memory(error), error);
+    break;
+  case FORM_W:
+    if (warm) s->model.factorization = DLS_LDLT;
+    status = dls_mpi_reduction_create(&all.W, MPI_COMM_WORLD, &s->model, NULL, error);
+    if (!status) status = dls_mpi_reduction_load(all.W, s->f, s->g, error);
+    break;
+  case FORM_K:
+    status = dls_mpi_global_create(&all.K, MPI_COMM_WORLD, &s->model, NULL, error);
+    break;
+  case GATHER:
+    status = dls_mpi_reduction_gather(all.W, all.gathered, error);
+    break;
+  case SOLVE_W:
+    status = dls_mpi_solve(all.W, s->mu, &all.settings, s->r, s->u, &all.info, error);
+    if (status >= 0) {
+      const dls_status then = dls_mpi_reduction_recover(all.W, s->r, s->x, error);
+      if (then) status = then;
+    }
+    break;
+  case SOLVE_K:
+    status = dls_mpi_global_solve(all.K, s->f, s->g, s->mu, &all.settings.limits, s->r, s->x,
+                                  &all.info, error);
+    break;
+  case JUDGE:
+    status = dls_mpi_reduction_recover(all.W, s->r, s->x, error);
+    if (!status) status = dls_mpi_certify(all.W, s->mu, s->r, s->x, s->u, &found, error);
+    if (!status) dlsi_body_judge(&all.info, &found, all.settings.limits.tol, all.W->condition);
+    break;
+  default:
+    tell_ranks();
   }
-  whole_free(&w);
-  if (!status) {
-    if (rank == 0) printf("%s\n", path[0]);
-    status = solve_part(&mine, o, &info, &error);
-  }
-  if (status < 0 && rank == 0)
-    (void)fprintf(stderr, "delassus-mpi: %s: %s\n", path[0], error.message);
-  free(mine.ints);
-  free(mine.doubles);
-  return status < 0 ? BAD_INPUT : dls_solved(status) ? SOLVED : NOT_SOLVED;
+  if (!solves || status < 0) return status;
+  const dlsi_mpi_clock now = dlsi_mpi_now();
+  all.solve = (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu};
+  pass_answer(1);
+  return status;
 }
 
-static int complain(const char *text) {
-  if (rank == 0) (void)fprintf(stderr, "delassus-mpi: %s; see 'delassus-mpi --help'\n", text);
-  return BAD_INPUT;
+/* Gives an order to all ranks. warm: of a solve; of FORM_W, 1: K is indefinite. */
+static dls_status command_all(order what, int warm, dls_error *error) {
+  int words[2] = {what, warm};
+  dls_error why = {0};
+  (void)MPI_Bcast(words, 2, MPI_INT, 0, MPI_COMM_WORLD);
+  const dls_status status = carry_out(what, warm, &why);
+  if (status < 0) *error = why;
+  return status;
 }
 
+/* Takes orders until the end; returns the exit status of rank 0. */
+static int obey(void) {
+  for (;;) {
+    int words[2];
+    dls_error error = {0};
+    (void)MPI_Bcast(words, 2, MPI_INT, 0, MPI_COMM_WORLD);
+    if (words[0] == END) return words[1];
+    (void)carry_out((order)words[0], words[1], &error);
+  }
+}
+
+/* ---- what src/cli asks, on rank 0 ------------------------------------------------------------ */
+
+/* Forms W; *on_K := 1 if K is singular. */
+static dls_status ranks_form_W(int *on_K, dls_error *error) {
+  dls_status status = command_all(FORM_W, 0, error);
+  if (status == DLS_E_NOT_POSITIVE_DEFINITE) status = command_all(FORM_W, 1, error);
+  *on_K = status == DLS_E_SINGULAR;
+  return status;
+}
+
+static dls_status ranks_take(problem *p, dls_on on, dls_error *error) {
+  const size_t m = (size_t)p->model.d * (size_t)p->model.nodes;
+  int on_K = on == DLS_ON_K;
+  dls_mpi_contact view;
+  dls_status status = on == DLS_ON_EITHER ? dlsi_body_foresee(p->reduction, &on_K, error) : DLS_OK;
+  all.whole = p;
+  if (!status) status = command_all(TAKE, 0, error);
+  if (!status && !on_K) {
+    status = ranks_form_W(&on_K, error);
+    if (on != DLS_ON_EITHER) on_K = 0;
+  }
+  if (on_K) status = command_all(FORM_K, 0, error);
+  p->on_K = on_K ? 1 : m > (size_t)most_gathered ? 2 : 0;
+  if (status || p->on_K) return status;
+  all.gathered = malloc(m * m * sizeof *all.gathered);
+  if (!all.gathered) return no_memory(error);
+  status = command_all(GATHER, 0, error);
+  if (!status) status = dls_mpi_reduction_contact(all.W, &view, error);
+  if (status) return status;
+  p->contact.W = (dls_dense){(int)m, (int)m, (int)m, all.gathered};
+  p->contact.q = view.q;
+  return DLS_OK;
+}
+
+/* By W. A method of the user's choice works where W is gathered. */
+static dls_status ranks_on_W(problem *p, const dls_solver_settings *settings, dls_error *error) {
+  const char *own = settings->method != DLS_AUTO ? "method"
+                    : settings->plan             ? "plan"
+                    : settings->without          ? "without"
+                    : settings->forces           ? "forces"
+                                                 : NULL;
+  if (!own) return command_all(SOLVE_W, 0, error);
+  if (p->on_K)
+    return *error = (dls_error){.status = DLS_E_UNSUPPORTED},
+           (void)snprintf(error->message, sizeof error->message,
+                          "--%s: W is spread over the ranks; --gather=%d brings it to one", own,
+                          p->contact.d * p->contact.nc),
+           DLS_E_UNSUPPORTED;
+  dls_status status = dls_solve(&p->contact, settings, all.r, all.u, &all.info, error);
+  if (status < 0) return status;
+  status = command_all(JUDGE, 0, error);
+  return status ? status : all.info.status;
+}
+
+/* By K, warm or not; u := H^T x + g. */
+static dls_status ranks_on_K(problem *p, int warm, dls_error *error) {
+  const int before = all.info.iterations;
+  dls_certificate found;
+  dls_status status = all.K ? DLS_OK : command_all(FORM_K, 0, error);
+  if (!status) status = command_all(SOLVE_K, warm, error);
+  if (status < 0) return status;
+  const dls_status done = status;
+  status = dls_reduction_certify(p->reduction, p->mu, all.r, all.x, all.u, &found, error);
+  all.info.method = DLS_AUTO;
+  all.info.stages = 1;
+  all.info.stage[0] = (dls_stage){.method = DLS_ADMM,
+                                  .step = DLS_STEP_ON_K,
+                                  .iterations = all.info.iterations,
+                                  .factorisations = all.info.factorisations,
+                                  .residual = all.info.certificate.residual,
+                                  .reason = dlsi_body_reason(done)};
+  all.info.iterations += before;
+  return status ? status : done;
+}
+
+static dls_status ranks_solve(problem *p, const dls_solver_settings *settings, double *r, double *u,
+                              double *x, dls_info *info, dls_error *error) {
+  dls_status status = DLS_STALLED;
+  all.r = r;
+  all.u = u;
+  all.x = x;
+  dls_mpi_settings_init(&all.settings);
+  all.settings.limits = settings->limits;
+  all.settings.gather = most_gathered;
+  all.info = (dls_info){.status = DLS_STALLED};
+  memset(r, 0, (size_t)p->model.d * (size_t)p->model.nodes * sizeof *r);
+  memset(x, 0, (size_t)p->model.n * sizeof *x);
+  if (all.W) status = ranks_on_W(p, settings, error);
+  const int goes_on = (status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM ||
+                       status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
+                      settings->method == DLS_AUTO && !settings->plan &&
+                      !settings->limits.max_iterations;
+  if (!all.W || goes_on) status = ranks_on_K(p, all.W != NULL, error);
+  all.info.status = status;
+  *info = all.info;
+  if (status >= 0 && tells_ranks) (void)command_all(TELL, 0, error);
+  return status;
+}
+
+static dls_status ranks_recover(problem *p, const double *r, double *x, dls_error *error) {
+  double *const given = malloc((size_t)p->contact.d * (size_t)p->contact.nc * 2 * sizeof *given);
+  if (!given) return no_memory(error);
+  const size_t m = (size_t)p->contact.d * (size_t)p->contact.nc;
+  memcpy(given, r, m * sizeof *r);
+  all.r = given;
+  all.u = given + m;
+  all.x = x;
+  const dls_status status = command_all(JUDGE, 0, error);
+  free(given);
+  return status;
+}
+
+static const double *ranks_motion(int *body) {
+  return dls_mpi_global_motion(all.K, body);
+}
+
+/* ---- the program ----------------------------------------------------------------------------- */
+
+/* Takes --gather and --ranks out of the arguments, and runs the rest. */
 static int run(int argc, char **argv) {
-  static const struct option options[] = {{"kind", required_argument, NULL, 'k'},
-                                          {"tol", required_argument, NULL, 't'},
-                                          {"gather", required_argument, NULL, 'g'},
-                                          {"on", required_argument, NULL, 'o'},
-                                          {"ranks", no_argument, NULL, 'r'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
-  choice o = {.kind = DLS_LU};
-  double number = 0;
-  int key;
-  dls_mpi_settings_init(&o.settings);
-  opterr = rank == 0;
-  while ((key = getopt_long(argc, argv, "k:t:g:o:rh", options, NULL)) != -1) {
-    if (key == 'h') {
-      if (rank == 0) usage(stdout);
-      return SOLVED;
-    }
-    if (key == 'r') o.print = 1;
-    if (key == 'o') {
-      if (strcmp(optarg, "W") != 0 && strcmp(optarg, "K") != 0) return complain("on is W or K");
-      o.on = optarg[0];
-    }
-    if (key == 'k') {
-      if (!strcmp(optarg, "cholesky"))
-        o.kind = DLS_CHOLESKY;
-      else if (!strcmp(optarg, "ldlt"))
-        o.kind = DLS_LDLT;
-      else if (strcmp(optarg, "lu") != 0)
-        return complain("no such kind of K");
-    }
-    if (key == 't' || key == 'g') {
-      if (!dlsi_read_number(optarg, strlen(optarg), &number) || number < 0 || number > 1e9)
-        return complain("no such number");
-      if (key == 't')
-        o.settings.limits.tol = number;
-      else
-        o.settings.gather = (int)number;
-    }
-    if (key == '?') return BAD_INPUT;
+  static const engine by_ranks = {ranks_take, ranks_solve, ranks_recover, ranks_motion};
+  int kept = 1;
+  for (int k = 1; k < argc; k++) {
+    const char *value = strncmp(argv[k], "--gather", 8) ? NULL : argv[k] + 8;
+    if (value && !*value && k + 1 < argc)
+      value = argv[++k];
+    else if (value && *value == '=')
+      value++;
+    if (value && !dlsi_read_whole(&value, 0, 1000000, &most_gathered))
+      return complain("--gather: '%s' is not a whole number up to 1000000", value);
+    if (!value && !strcmp(argv[k], "--ranks"))
+      tells_ranks = 1;
+    else if (!value)
+      argv[kept++] = argv[k];
   }
-  const int files = argc - optind - 1;
-  if (files < 0 || strcmp(argv[optind], "solve") != 0) return complain("no command");
-  if (files != 1 && files != 5) return complain("one file, or five");
-  return command_solve(argv + optind + 1, files, &o);
+  argv[kept] = NULL;
+  const char *name = kept > 1 ? argv[1] : "";
+  if (!strcmp(name, "solve")) return solve_with(kept - 1, argv + 1, &by_ranks);
+  if (!strcmp(name, "--help") || !strcmp(name, "-h")) return usage(stdout), EXIT_SOLVED;
+  return *name ? complain("'%s': delassus-mpi has one command, solve", name)
+               : (usage(stderr), EXIT_BAD_INPUT);
 }
 
 int main(int argc, char **argv) {
+  int words[2] = {END, 0};
   (void)MPI_Init(&argc, &argv);
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   (void)MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  const int result = run(argc, argv);
+  if (rank == 0) {
+    words[1] = end_program(run(argc, argv));
+    (void)MPI_Bcast(words, 2, MPI_INT, 0, MPI_COMM_WORLD);
+  } else
+    words[1] = obey();
+  shared_drop();
   (void)MPI_Finalize();
-  return result;
+  return words[1];
 }

@@ -28,9 +28,9 @@ $(MPI_SO).$(VERSION): $(MPI_OBJ) src/delassus.map
 	$(Q)$(CC) -shared $(SANITIZE) $(HARDEN_LINK) $(LDFLAGS) -Wl,-soname,$(notdir $(MPI_SO)).$(SOVERSION) \
 	  -Wl,--version-script=src/delassus.map -o $@ $(MPI_OBJ) $(MPI_CORE_LIBS)
 
-$(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(FILES) $(MPI_A)
+$(MPI_PROGRAM): $(call obj,src/mpi/main.c $(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(MPI_A)
 	$(call say,LINK)
-	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(MPI_LIBS_ALL)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS) $(MPI_LIBS_ALL)
 
 $(BUILD)/examples/mpi/host_petsc: EXAMPLE_CFLAGS = $(PETSC_CFLAGS)
 $(BUILD)/examples/mpi/host_petsc: EXAMPLE_LIBS = $(PETSC_LIBS)

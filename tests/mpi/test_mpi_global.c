@@ -258,7 +258,7 @@ static void test_free(void) {
            of.r[2]);
     scene_free(&of);
   }
-  square s = square_of(0); /* lifted: no rank calls it solved */
+  square s = square_of(0); /* lifted: a motion proves that there is no answer */
   s.model.Ks.x = s.x;
   scene of = scene_of(&s.model);
   of.f[5] = of.f[7] = 5;
@@ -271,8 +271,16 @@ static void test_free(void) {
   const dls_limits limits = {.tol = 1e-8, .max_iterations = 40};
   status =
       dls_mpi_global_solve(global, part.f, part.g, part.mu, &limits, of.r, of.x, &info, &error);
-  EXPECT(status == DLS_NOT_IN_EQUILIBRIUM && info.certificate.equilibrium > 0.1, "lifted: %d, %g",
-         status, info.certificate.equilibrium);
+  EXPECT(status == DLS_NO_SOLUTION && info.status == status, "lifted: %d", status);
+  int mover = -1;
+  const double *b = dls_mpi_global_motion(global, &mover);
+  for (int k = 0; rank == 0 && k < 8; k++)
+    EXPECT(b && mover >= 0 && fabs(b[k] - k % 2) <= 1e-12, "motion of %d: %g", k, b ? b[k] : 0);
+  of.f[5] = of.f[7] = -5; /* pressed: solved, and nothing is left of the proof */
+  share_free(&part);
+  part = share_take(&s.model, CUT_EVEN, of.f, of.g, of.mu);
+  status = dls_mpi_global_solve(global, part.f, part.g, part.mu, NULL, of.r, of.x, &info, &error);
+  EXPECT(status == DLS_OK && !dls_mpi_global_motion(global, NULL), "pressed: %d", status);
   dls_mpi_global_destroy(global);
   share_free(&part);
   scene_free(&of);
