@@ -105,14 +105,11 @@ static int write_page(const char *out, int argc, char **argv) {
   (void)argc;
   if (!page) return 1;
   hard_report(page, count, row);
-  bench_print(page, "\n## The fold in 3D\n\nFriction from which some loads have two answers, "
-                    "bracketed: src/facts/fold.c finds it for d = 2 alone. Below: one answer for "
-                    "each q\n(`friction_unique` of delassus/diagnose.h). Above: the least friction "
-                    "at which two certified answers of one q were found, both proved\nby "
-                    "`dls_contact_prove`; their distance over the largest reaction. Fold of a "
-                    "projection: of W on one direction of slip for each contact,\nd = 2, where the "
-                    "search begins; no bound (bench/hard_fold.c).\n\n");
-  const int bad = hard_fold_table(page, out);
+  bench_print(page,
+              "\n## The fold in 3D\n\nFriction from which some loads have two answers: "
+              "`dls_contact_fold`. Below the first number each load has one answer\n(proved). "
+              "At the second one a load with two certified answers was found.\n\n");
+  const int bad = hard_fold_table(page);
   free(row);
   return fclose(page) != 0 || bad;
 }

@@ -65,6 +65,6 @@ void hard_report(FILE *page, int count, const hard_row *row);
 
 /* Writes the table of bounds on the friction from which some loads have two answers. Returns 0, or
  * 1 after a message. */
-int hard_fold_table(FILE *page, const char *out);
+int hard_fold_table(FILE *page);
 
 #endif

@@ -239,6 +239,20 @@ inline dls_certificate certify(const dls_contact &problem, const std::vector<dou
   return certificate;
 }
 
+/* The friction below which each load has one answer, and a least one with two: dls_contact_fold.
+ * q, r, other, if given, receive the load and its answers. */
+inline dls_fold fold(const dls_contact &problem, std::vector<double> *q = nullptr,
+                     std::vector<double> *r = nullptr, std::vector<double> *other = nullptr) {
+  dls_fold found = {};
+  for (std::vector<double> *x : {q, r, other})
+    if (x) x->assign(detail::size(problem.d, problem.nc), 0);
+  call([&](dls_error *e) {
+    return dls_contact_fold(&problem, &found, nullptr, q ? q->data() : nullptr,
+                            r ? r->data() : nullptr, other ? other->data() : nullptr, e);
+  });
+  return found;
+}
+
 /* The state of each candidate of an answer. */
 inline std::vector<dls_contact_state> states(const dls_contact &problem, const answer &a) {
   std::vector<dls_contact_state> state(static_cast<std::size_t>(problem.nc));

@@ -19,9 +19,9 @@ vi 9767
 reduction 2255
 global 3637
 src/files 3719
-src/facts 4037
+src/facts 4187
 src/auto 2548
-src/front 2611
+src/front 2461
 src/motion 1167
 src/fe 4996
 src/cli 14100

@@ -127,24 +127,29 @@ DLS_API DLS_MUST_USE dls_status dls_contact_prove(const dls_contact *problem, co
 
 typedef struct dls_fold {
   double friction; /* the largest coefficient at the fold; INFINITY if there is none */
-  int exact;    /* 1: of all states; 0: of those that the search tried: the fold is here or lower */
-  int matrices; /* number of matrices tried */
+  double unique;   /* each q has exactly one solution below: proved up to rounding. friction where
+                      that is exact, else friction_unique of diagnose.h, <= friction */
+  int exact;       /* 1: of all states; 0: of those that the search tried: the fold lies in
+                      [unique, friction] */
+  int matrices;    /* number of matrices tried */
 } dls_fold;
 
-/* Finds the least friction at which the matrix of some slip, stick and free candidates,
+/* Finds the least friction at which the matrix of some slip, stick and free contacts,
  *
- *   u_n = 0, u_t = 0 where they stick,  u_n = 0, r_t = +-mu r_n where they slip,  r = 0 elsewhere,
+ *   u_n = 0, u_t = 0 where they stick,  u_n = 0, r_t = mu e r_n where they slip,  r = 0 elsewhere,
  *
- * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for d = 2 and W positive
- * definite. Below it each q has exactly one solution; above it some q have several. All mu_c are
- * scaled together; if all are 0, they are taken as equal. Exact up to DLS_STATES_MAX contacts; for
- * more a local search from many starts.
+ * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for W positive definite. e:
+ * the direction of slip, +-1 for d = 2, a unit vector for d = 3. Below it each q has exactly one
+ * solution; above it some q have several. All mu_c are scaled together; if all are 0, they are
+ * taken as equal. Exact for d = 2 up to DLS_STATES_MAX contacts; else a local search from many
+ * starts over states and directions.
  *
  *   state (nc): the states, slip to the side that r_t tells
  *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q
- *   has the solutions r and other, both in these states
+ *   has the solutions r and other; d = 2: both in these states; d = 3: r_c or other_c is 0 where a
+ *   contact slips in a fixed direction, and friction is 1e-6 above that of the singular matrix
  *
- * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3 or an
+ * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 1 or an
  * infinite mu; DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_ARGUMENT, DLS_E_MEMORY, or an error of
  * dls_contact_check. */
 DLS_API DLS_MUST_USE dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold,

@@ -9,8 +9,8 @@ static void info_usage(FILE *out) {
       "  or:  delassus info [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
       "Prints facts about a contact problem (FCLIB, local or global; text; of a scene; matrices):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
-      "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
-      "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
+      "may be; the fold, the friction below which each load has one solution (2D: up to 64\n"
+      "contacts, 3D: up to 4); in 2D all solutions (up to 8). Contacts and rows count from 0.\n"
       "FILE may be a pipe, or - for standard input.\n"
       "\n"
       "      --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
@@ -106,9 +106,15 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
 /* ---- trust ----------------------------------------------------------------------------------- */
 
 enum { most_proved = 300 }; /* rows of a problem that is solved and proved */
-enum { most_fold = 64, most_listed = DLS_STATES_MAX, room = 32, listed_rows = 2 * most_listed };
+enum {
+  most_fold = 64,
+  most_fold_3d = 4,
+  most_listed = DLS_STATES_MAX,
+  room = 32,
+  listed_rows = 2 * most_listed
+};
 
-/* The fold and all solutions of a problem in 2D, where it is small enough. */
+/* The fold, and all solutions of a problem in 2D, where it is small enough. */
 typedef struct trust {
   int has_fold, has_list, has_proof;
   dls_proof proof; /* of the answer of auto */
@@ -143,7 +149,7 @@ static dls_status find_proof(const dls_contact *contact, trust *t, dls_error *er
 
 /* Finds fold and solutions where the problem has them; without memory returns DLS_E_MEMORY. */
 static dls_status find_trust(const dls_contact *contact, trust *t, dls_error *error) {
-  dls_status status = contact->d == 2 && contact->nc <= most_fold
+  dls_status status = contact->d > 1 && contact->nc <= (contact->d == 2 ? most_fold : most_fold_3d)
                           ? dls_contact_fold(contact, &t->fold, NULL, NULL, NULL, NULL, error)
                           : DLS_E_UNSUPPORTED;
   t->has_fold = status == DLS_OK;
@@ -191,7 +197,7 @@ static void print_trust(const dls_contact *contact, const trust *t) {
            t->fold.exact ? "below" : "as far as a search can tell, below", t->fold.friction,
            t->fold.matrices, t->fold.exact ? ", all states" : "");
   else if (t->has_fold)
-    puts("  fold: none, whatever the friction");
+    puts(t->fold.unique > 1e6 ? "  fold: none, whatever the friction" : "  fold: none was found");
   if (t->has_list) print_solutions(2 * contact->nc, t);
   if (t->has_proof) printf("  answer of auto: %s\n", proof_words(&t->proof, words, sizeof words));
 }

@@ -169,7 +169,7 @@ static dls_status add_lines(map_run *m, const dls_contact *contact, const map_op
     add_line(m, facts.friction_critical, "#d55e00", "some candidate jams above");
   }
   dls_fold fold;
-  status = contact->nc <= most_candidates_of_fold
+  status = contact->nc <= (contact->d == 2 ? most_candidates_of_fold : DLS_STATES_MAX)
                ? dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, error)
                : DLS_E_UNSUPPORTED;
   if (status == DLS_E_MEMORY) return status;

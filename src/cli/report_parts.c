@@ -181,7 +181,7 @@ void part_uniqueness(const parts *a, const dls_contact *contact) {
   char below[80] = "";
   if (list_answers(a, contact)) return;
   const int known = !dls_contact_diagnose(contact, most_rows_of_facts, &facts, NULL);
-  const int folds = contact->d == 2 && contact->nc <= most_contacts_of_fold &&
+  const int folds = contact->nc <= (contact->d == 2 ? most_contacts_of_fold : DLS_STATES_MAX) &&
                     !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL);
   if (known && facts.friction_unique > 0 && isfinite(facts.friction_unique))
     (void)snprintf(below, sizeof below, " Below friction %.3g each load has one answer (proved).",

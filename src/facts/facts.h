@@ -66,6 +66,15 @@ dls_contact_state dlsi_border_state(int d, double mu, dls_contact_state state, c
 dls_status dlsi_contact_prove(const dls_contact *problem, const double *r, dls_proof *proof,
                               double *improved, dls_error *error);
 
+/* ---- bound.c --------------------------------------------------------------------------------- */
+
+/* Sets *friction, below which each q has exactly one solution, 0 if the symmetric part of W is not
+ * positive definite, and value (m), the eigenvalues of that part, scaled, in ascending order;
+ * value[0] = NAN if LAPACK does not find them. scale: 1 / sqrt of the weights, nc. DLS_OK or
+ * DLS_E_MEMORY. */
+dls_status dlsi_unique_below(const dls_contact *problem, const double *scale, double *value,
+                             double *friction);
+
 /* ---- states.c, fold.c ------------------------------------------------------------------------ */
 
 /* Candidates of the largest problem for dlsi_contact_find_states. */

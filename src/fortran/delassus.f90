@@ -76,6 +76,15 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_contact_fold(problem, fold, state, q, r, other, error) bind(c) result(status)
+      import :: c_int, c_double, dls_contact, dls_fold, dls_error
+      type(dls_contact), intent(in) :: problem
+      type(dls_fold), intent(inout) :: fold
+      integer(c_int), intent(inout), optional :: state(*)
+      real(c_double), intent(inout), optional :: q(*), r(*), other(*)
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
     function dls_certificate_holds(certificate, tol) bind(c) result(holds)
       import :: c_int, c_double, dls_certificate
       type(dls_certificate), intent(in) :: certificate
@@ -429,7 +438,8 @@ module delassus
       type(c_ptr), value :: motion
     end subroutine
   end interface
-  public :: dls_version, dls_status_name, dls_status_text, dls_contact_check, dls_contact_certify
+  public :: dls_version, dls_status_name, dls_status_text, dls_contact_check, dls_contact_certify, &
+      dls_contact_fold
   public :: dls_certificate_holds, dls_contact_states, dls_solver_settings_init, dls_method_find
   public :: dls_solve, dls_solve_model, dls_solved, dls_solver_create, dls_solver_set_limits, dls_solver_solve
   public :: dls_solver_map

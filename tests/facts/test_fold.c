@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "facts/facts.h"
+#include "front_cases.h"
+#include "malloc_fails.h"
 #include "run.h"
 
 enum { most_nc = 3, most_m = 2 * most_nc };
@@ -213,16 +215,172 @@ START_TEST(what_is_refused) {
                    DLS_E_UNSUPPORTED);
   ck_assert_str_eq(e.argument, "mu");
   ck_assert_int_eq(e.index, 1);
-  t.mu[1] = 1;
-  t.p = (dls_contact){.d = 3, .nc = 1, .W = {3, 3, 4, t.W}, .q = t.q, .mu = t.mu};
+  t.mu[0] = 0;
+  t.p = (dls_contact){.d = 1, .nc = 1, .W = {1, 1, 4, t.W}, .q = t.q, .mu = t.mu};
   ck_assert_int_eq(dlsi_contact_fold(&t.p, 0, &fold, NULL, NULL, NULL, NULL, &e),
                    DLS_E_UNSUPPORTED);
   ck_assert_str_eq(e.argument, "d");
-  ck_assert(e.index == -1 && e.value == 3 && fold.matrices == 77);
+  ck_assert(e.index == -1 && e.value == 1 && fold.matrices == 77);
+}
+END_TEST
+
+/* ---- d = 3 ----------------------------------------------------------------------------------- */
+
+enum { most_3d = 4, rows_3d = 3 * most_3d };
+
+/* W, q, mu of nc contacts with d = 3. */
+typedef struct space_problem {
+  double W[rows_3d * rows_3d], q[rows_3d], mu[most_3d];
+  dls_contact p;
+} space_problem;
+
+static void set_space(space_problem *s, int nc) {
+  const int m = 3 * nc;
+  *s = (space_problem){.p = {.d = 3, .nc = nc}};
+  s->p.W = (dls_dense){m, m, m, s->W};
+  s->p.q = s->q;
+  s->p.mu = s->mu;
+  for (int i = 0; i < m; i++)
+    s->W[i + m * i] = 1;
+  for (int c = 0; c < nc; c++)
+    s->mu[c] = 1;
+}
+
+/* Turns the tangents of contact c by an angle: rows and columns of W. */
+static void turn_tangents(space_problem *s, int c, double angle) {
+  const int m = 3 * s->p.nc, a = 3 * c + 1, b = a + 1;
+  for (int columns = 0; columns < 2; columns++)
+    for (int k = 0; k < m; k++) {
+      double *A = columns ? &s->W[k + m * a] : &s->W[a + m * k];
+      double *B = columns ? &s->W[k + m * b] : &s->W[b + m * k];
+      const double x = *A, y = *B;
+      *A = cos(angle) * x + sin(angle) * y;
+      *B = cos(angle) * y - sin(angle) * x;
+    }
+}
+
+/* The bracket by hand, and the witness: q has both answers at `friction`, apart by more than
+ * residuals hide. */
+static void expect_bracket(space_problem *s, double unique, double friction) {
+  double load[rows_3d], one[rows_3d], two[rows_3d], mu[most_3d], apart = 0, size = 0, most_mu = 0;
+  dls_contact_state kind[most_3d];
+  dls_error error;
+  ck_assert_msg(!dls_contact_fold(&s->p, &fold, kind, load, one, two, &error), "%s", error.message);
+  ck_assert(!fold.exact && fold.unique <= fold.friction);
+  if (unique > 0) ck_assert_double_eq_tol(fold.unique, unique, 1e-13 * unique);
+  if (friction > 0) {
+    ck_assert_double_ge(fold.friction, friction);
+    ck_assert_double_le(fold.friction, friction * (1 + 1.1e-6));
+  }
+  for (int c = 0; c < s->p.nc; c++)
+    most_mu = fmax(most_mu, s->mu[c]);
+  for (int c = 0; c < s->p.nc; c++)
+    mu[c] = fold.friction * s->mu[c] / most_mu;
+  dls_contact p = s->p;
+  p.q = load;
+  p.mu = mu;
+  for (int k = 0; k < 2; k++) {
+    dls_certificate certificate;
+    ck_assert(!dls_contact_certify(&p, k ? two : one, NULL, &certificate, NULL));
+    ck_assert(dls_certificate_holds(&certificate, 1e-12));
+  }
+  for (int i = 0; i < 3 * p.nc; i++) {
+    apart = fmax(apart, fabs(one[i] - two[i]));
+    size = fmax(size, fabs(one[i]));
+  }
+  ck_assert_msg(apart > 1e-7 * size, "%g of %g", apart, size);
+}
+
+/* One contact, W = (1 b 0; b 1 0; 0 0 e): slip along x folds at 1 / b. Where k = 1 - e - b^2 < 0, a
+ * direction at the angle a to x that can turn folds at
+ *
+ *   (1 - b^2 sin^2 a / c) / (b e cos a / c),  c = e cos^2 a + sin^2 a,
+ *
+ * least at cos^2 a = -(e + k) / k, if that is below 1: 2 sqrt(-k (e + k)) / (b e). For e = 1 it is
+ * the bound below which the answer is proved to be one: the bracket closes. In any frame, unit. */
+START_TEST(one_contact_in_space) {
+  static const double b[] = {0.5, 0.8, 0.8, 0.8}, e[] = {1, 1, 0.9, 0.5};
+  for (int k = 0; k < 4; k++)
+    for (int turned = 0; turned < 3; turned++) {
+      space_problem s;
+      set_space(&s, 1);
+      s.W[1] = s.W[3] = b[k];
+      s.W[8] = e[k];
+      turn_tangents(&s, 0, turned);
+      for (int i = 0; i < 9 && turned == 2; i++)
+        s.W[i] *= 1e-9;
+      const double kappa = 1 - e[k] - b[k] * b[k];
+      const int turns = -kappa > e[k] + kappa;
+      expect_bracket(&s, k < 2 ? (turns ? 1.2 : 2) : 0,
+                     turns ? 2 * sqrt(-kappa * (e[k] + kappa)) / (b[k] * e[k]) : 1 / b[k]);
+    }
+}
+END_TEST
+
+/* Two slip against each other as in two_slip, in directions of their own: a, b between the n of
+ * one and a tangent of the other: 1 / sqrt(a b); a second contact that sticks as in one_sticks: 3.
+ * A share of 1/2 at both doubles the largest coefficient. */
+START_TEST(two_contacts_in_space) {
+  for (int k = 0; k < 4; k++) {
+    space_problem s;
+    set_space(&s, 2);
+    s.W[0 + 6 * 4] = 0.5;
+    s.W[3 + 6 * 1] = 0.125;
+    turn_tangents(&s, 0, k);
+    turn_tangents(&s, 1, -2 * k);
+    if (k == 3) s.mu[0] = 0.25; /* with s_0 = 1/4 the product falls to a quarter */
+    expect_bracket(&s, 0, k == 3 ? 8 : 4);
+    set_space(&s, 2);
+    s.W[0 + 6 * 1] = s.W[1 + 6 * 0] = 0.25;
+    s.W[0 + 6 * 4] = s.W[4 + 6 * 0] = 0.5;
+    s.W[3 + 6 * 3] = 1. / 32;
+    turn_tangents(&s, 0, k);
+    turn_tangents(&s, 1, -2 * k);
+    expect_bracket(&s, 0, 3);
+  }
+}
+END_TEST
+
+/* Random W: the friction is that of any frame, and the bracket is one. Each malloc fails in turn.
+ */
+START_TEST(brackets_in_space) {
+  for (unsigned k = 0; k < 12; k++) {
+    unsigned seed = 977 * k + 1;
+    space_problem s;
+    double B[rows_3d * rows_3d];
+    set_space(&s, 1 + (int)(k % 3));
+    const int m = 3 * s.p.nc;
+    for (int i = 0; i < m * m; i++)
+      B[i] = draw(&seed);
+    for (int i = 0; i < m; i++)
+      for (int j = 0; j < m; j++) {
+        s.W[i + m * j] = i == j ? 0.1 : 0;
+        for (int l = 0; l < m; l++)
+          s.W[i + m * j] += B[i + m * l] * B[j + m * l];
+      }
+    if (k % 4 == 3) s.mu[0] = 0;
+    if (k % 4 == 3 && s.p.nc == 1) continue; /* all equal then */
+    expect_bracket(&s, 0, 0);
+    const double before = fold.friction;
+    for (int c = 0; c < s.p.nc; c++)
+      turn_tangents(&s, c, 1 + c);
+    expect_bracket(&s, 0, 0);
+    ck_assert_double_eq_tol(fold.friction, before, 1e-6 * before);
+  }
+  space_problem s;
+  set_space(&s, 1);
+  s.W[1] = s.W[3] = 0.5;
+  fold.matrices = -7;
+  MALLOCS_FAIL(dls_contact_fold(&s.p, &fold, NULL, NULL, NULL, NULL, NULL), fold.matrices == -7,
+               DLS_OK, 2);
+  s.W[1] = s.W[3] = 0; /* nothing couples n and t */
+  ck_assert(!dls_contact_fold(&s.p, &fold, NULL, NULL, NULL, NULL, NULL));
+  ck_assert(isinf(fold.friction) && isinf(fold.unique));
 }
 END_TEST
 
 int main(void) {
   return RUN("fold", NULL, NULL, ONCE(one_slips), ONCE(matrices_are_counted), ONCE(two_slip),
-             ONCE(one_sticks), ONCE(the_search_ends), ONCE(unsymmetric), ONCE(what_is_refused));
+             ONCE(one_sticks), ONCE(the_search_ends), ONCE(unsymmetric), ONCE(what_is_refused),
+             ONCE(one_contact_in_space), ONCE(two_contacts_in_space), ONCE(brackets_in_space));
 }

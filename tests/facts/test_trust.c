@@ -483,8 +483,9 @@ START_TEST(no_fold) {
   mu[0] = -1;
   ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, &e), DLS_E_ARGUMENT);
   mu[0] = 0.5;
-  p.d = 3;
-  p.W = (dls_dense){3, 3, 3, W};
+  p.d = 1;
+  mu[0] = 0;
+  p.W = (dls_dense){1, 1, 1, W};
   ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, &e), DLS_E_UNSUPPORTED);
   ck_assert_int_eq(dls_contact_fold(NULL, &fold, NULL, NULL, NULL, NULL, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(fold.matrices, -7);

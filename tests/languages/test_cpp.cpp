@@ -42,6 +42,11 @@ static void solves() {
   EXPECT(delassus::states(problem, a)[0] == DLS_SLIP);
   EXPECT(delassus::certify(problem, a.r).residual <= 1e-8);
   EXPECT(near(delassus::certify(problem, {1, 0}).penetration, 1e-3));
+  const std::vector<double> coupled = {1, 0.5, 0, 0.5, 1, 0, 0, 0, 1}, none = {0, 0, 0};
+  std::vector<double> load, one, two;
+  const dls_fold fold = delassus::fold(delassus::contact(3, coupled, none, mu), &load, &one, &two);
+  EXPECT(near(fold.unique, 2) && fold.friction >= 2 && fold.friction < 2 + 4e-6 && one != two);
+  EXPECT(load.size() == 3 && std::isinf(delassus::fold(problem).unique));
   delassus::solver first(2, 3, delassus::settings("newton"));
   delassus::solver second = std::move(first);
   EXPECT(near(second.solve(problem).r[0], 2));

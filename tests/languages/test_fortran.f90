@@ -149,6 +149,7 @@ contains
     type(dls_reduction_info) :: info
     type(dls_limit_settings) :: settings
     type(dls_limit) :: limit
+    type(dls_fold) :: fold
     type(c_ptr) :: reduction
     integer(c_int) :: status
     mu = 0.2d0
@@ -178,6 +179,8 @@ contains
     call expect(dls_reduction_states(reduction, mu, r, [0d0, 0.9375d0], state) == DLS_OK .and. &
         state(1) == DLS_SLIP, 'states')
     call expect(.not. c_associated(dls_reduction_motion(reduction)), 'no motion')
+    status = dls_contact_fold(problem, fold, q=x, r=r, other=nodal)
+    call expect(status == DLS_OK .and. fold%exact == 1 .and. fold%unique == fold%friction, 'the fold')
     call dls_limit_settings_init(settings)
     settings%to = 3
     status = dls_limit_load(reduction, [5d0, -10d0], [0d0, -1d0], mu=mu, settings=settings, r=r, limit=limit)

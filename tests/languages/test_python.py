@@ -90,6 +90,15 @@ class Solve(unittest.TestCase):
         self.assertIsNone(slip.proved)
         self.assertEqual(slip.border[0], 0)
         self.assertEqual(set(slip.border[1:]), {"stick", "slip"})
+        for W in (np.array([[1, .5], [.5, 1]]), np.array([[1, .5, 0], [.5, 1, 0], [0, 0, 1]])):
+            d = len(W)  # one contact folds at W_nn / |W_nt|
+            f = delassus.solve(W, [-1.0] + (d - 1) * [0.0], 0.1).fold
+            self.assertTrue(f.exact == (d == 2) and abs(f.unique - 2) < 1e-12 and 0 <= f.friction - f.unique < 4e-6)
+            for r in (f.r, f.other):
+                self.assertLess(delassus.certify(W, f.q, f.friction, r).residual, 1e-12)
+            self.assertGreater(np.abs(f.r - f.other).max(), 1e-7 * np.abs(f.r).max())
+        with self.assertRaises(delassus.UnsupportedError):
+            delassus.solve(np.eye(1), [-1.0], d=1).fold
         two = delassus.solve(np.kron(np.ones((2, 2)), np.eye(2)), [-1.0, 0, -1, 0], [0.5, 0.5]).proof
         self.assertEqual(two.freedom, 2)
 

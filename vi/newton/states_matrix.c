@@ -154,7 +154,7 @@ static const double *states_column(const dls_contact *problem, const dlsi_branch
                                    double *scratch) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double e[3];
-  if (b->state == DLS_STICK || problem->d == 1 || b->mu == 0)
+  if (b->state == DLS_STICK || problem->d == 1 || (b->mu == 0 && j == 0))
     return problem->W.a + (d * (size_t)c + (size_t)j) * (size_t)problem->W.ld;
   dlsi_branch_direction(b, j, e);
   memset(scratch, 0, m * sizeof *scratch);

@@ -18,7 +18,7 @@
 static const double unsymmetric = 1e-9; /* of the Schur complement: far below the 1 % margin */
 
 /* Returns 1 if a contact with this W_cc (d x d) has one solution for every q: W_cc is symmetric up
- * to rounding and positive definite, and mu is below the bound (DG4) of src/front/diagnose.c by a
+ * to rounding and positive definite, and mu is below the bound (DG4) of src/facts/bound.c by a
  * margin above rounding. */
 static int has_one_solution(int d, const double *W, double mu) {
   if (d == 1) return W[0] > 0;

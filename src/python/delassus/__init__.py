@@ -9,7 +9,7 @@ from ._library import VERSION as __version__
 from ._library import (Error, InputError, NoDerivativeError, OutOfMemoryError, SingularError,
                        StateError, UnsupportedError, constants)
 from .batch import Batch, solve_many
-from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
+from .contact import Certificate, Fold, Progress, Proof, Solution, Stage, certify, solve
 from .derivative import Gradient, Moved
 from .files import read_matrix
 from .geometry import Pairs, RigidBodies, pairs
@@ -19,7 +19,7 @@ from .reduction import Limit, Reduction, reduce
 from .solver import Solver
 from .surface import Sum
 
-__all__ = ["Batch", "Certificate", "Error", "Gradient", "InputError", "LcpSolution", "Limit",
+__all__ = ["Batch", "Certificate", "Error", "Fold", "Gradient", "InputError", "LcpSolution", "Limit",
            "Motion",           "Moved", "NoDerivativeError", "NotCertified", "OutOfMemoryError", "Pairs", "Progress",
            "Proof", "Reduction", "RigidBodies", "SingularError", "Solution", "Solver", "Stage",
            "StateError", "Sum", "UnsupportedError", "__version__", "certify", "constants", "pairs",

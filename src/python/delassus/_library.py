@@ -212,6 +212,7 @@ _SIGNATURES = {
     "dls_contact_states": (c_int, "ppppp"),
     "dls_contact_misfits": (c_int, "ppppp"),
     "dls_contact_prove": (c_int, "ppppp"),
+    "dls_contact_fold": (c_int, "ppppppp"),
     "dls_contact_freedom": (c_int, "pppp"),
     "dls_derive_create": (c_int, "pppip"),
     "dls_derive_create_body": (c_int, "pppppip"),

@@ -106,6 +106,23 @@ class Proof(NamedTuple):
     improved: Array
 
 
+class Fold(NamedTuple):
+    """The least friction at which some loads have several answers, by dls_contact_fold
+    (delassus/trust.h); all mu are scaled together, the largest one counts.
+
+    unique       one answer for each load below (proved)
+    friction     here the load q has the answers r and other (nc x d each); inf: none was found
+    exact        True: unique == friction (2D, up to 8 contacts)
+    """
+
+    unique: float
+    friction: float
+    exact: bool
+    q: Array
+    r: Array
+    other: Array
+
+
 _PROVED = {constants["DLS_PROVED"]: "reactions", constants["DLS_PROVED_POSITIONS"]: "positions"}
 
 
@@ -130,6 +147,7 @@ class Solution:
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     proof        a Proof of r, computed at its first use from the arrays as they are then; None
                  if a reduction or a motion solved
+    fold         a Fold of W, likewise; UnsupportedError: d = 1 or an infinite mu
     sums(), write_vtu(path)   where a reduction solved: reactions by body, a file for ParaView
     vjp(), jvp() derivatives, of the arrays as they are at the first call
     """
@@ -162,6 +180,7 @@ class Solution:
         self.history = history
         self._source: Tuple[Any, ...] | None = None
         self._proof: Proof | None = None
+        self._fold: Fold | None = None
         self._freedom: int | None = None
         # side -> Derivative; of a reduction: makes one, or says that the reduction has moved on
         self._derivatives: Dict[int, Derivative] = {}
@@ -189,6 +208,17 @@ class Solution:
                 proof.border and (proof.contact, str(STATES[proof.state]),
                                   str(STATES[proof.other])) or None, improved)
         return self._proof
+
+    @property
+    def fold(self) -> Fold | None:
+        if self._fold is None and self._source is not None:
+            problem, kept = _problem(*self._source)
+            fold, (q, r, other) = structs["dls_fold"](), np.zeros((3, *self.r.shape))
+            call("dls_contact_fold", byref(problem), byref(fold), None, address(q), address(r),
+                 address(other))
+            del kept
+            self._fold = Fold(fold.unique, fold.friction, bool(fold.exact), q, r, other)
+        return self._fold
 
     @property
     def freedom(self) -> int | None:
