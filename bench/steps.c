@@ -249,8 +249,8 @@ static void print_path(FILE *page, int d, int side, int seed, double jump) {
     for (int warm = 0; warm < 2; warm++)
       least[warm] =
           fmin(least[warm], path_time(&a, warm, &solved[warm], &iterations[warm], &factored[warm]));
-  bench_print(seed == 2 ? NULL : page, "| %d | %d | %d | %.3f | %.3f | %.2f | %d, %d |\n", a.d, a.nc,
-              seed, least[0], least[1], least[1] / least[0], solved[0], solved[1]);
+  bench_print(seed == 2 ? NULL : page, "| %d | %d | %d | %.3f | %.3f | %.2f | %d, %d |\n", a.d,
+              a.nc, seed, least[0], least[1], least[1] / least[0], solved[0], solved[1]);
   free(a.W);
   free(a.q);
   free(a.mu);

@@ -30,7 +30,7 @@ typedef struct dlsi_body {
   const double *balanced; /* parts: the load (dlsi_own_balanced) of a body whose loads balance in
                              themselves and have been split off, the scale of its rounding while no
                              contact presses it; NULL: 0 */
-  const double *blur; /* m: size of the positions split off, whose rounding g has; NULL: 0 */
+  const double *blur;     /* m: size of the positions split off, whose rounding g has; NULL: 0 */
 } dlsi_body;
 
 /* Finds entry *at = 0, 1, .. of column j that counts: all, or those of the lower triangle of a
