@@ -170,7 +170,8 @@ static int print_box(FILE *page, int d, int cells) {
     return 1;
   }
   const double best = fmin(r.solve[0], r.solve[1]);
-  bench_print(page, "| %dD %d^%d | %d | %d | %.3g | %.3g | %.3g | %.2f | %.0e | %.3g | %.3g |\n", d,
+  bench_print(r.n < 300 ? NULL : page,
+              "| %dD %d^%d | %d | %d | %.3g | %.3g | %.3g | %.2f | %.0e | %.3g | %.3g |\n", d,
               cells, d, r.n, r.m, 1e6 * r.load, 1e6 * r.recover, 1e6 * best,
               (r.load + r.recover) / best, r.apart, r.create, r.factor);
   return 0;
