@@ -165,10 +165,11 @@ int papers_refinement(FILE *page, const char *out) {
   for (int m = 0; m < 2; m++)
     for (int a = 0; a < parts; a++)
       for (int t = 0; t < kinds; t++) {
-        bench_print(page, "| %g | %s | %s |", friction[m], a ? "smooth" : "whole", kind_name[t]);
+        FILE *const kept = t == 1 ? NULL : page; /* P r: the screen */
+        bench_print(kept, "| %g | %s | %s |", friction[m], a ? "smooth" : "whole", kind_name[t]);
         for (int k = 0; k < meshes; k++)
-          bench_print(page, " %.2g |", error[m][a][t][k]);
-        bench_print(page, " %.2f |\n", order[m][a][t]);
+          bench_print(kept, " %.2g |", error[m][a][t][k]);
+        bench_print(kept, " %.2f |\n", order[m][a][t]);
       }
   bench_print(page,
               "\n![Density at the nodes, and its error against h](papers_refinement.png)\n\n");
