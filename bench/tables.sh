@@ -37,22 +37,21 @@ row() {
   set -- $(cpu "$run") $(cpu "$1lemke") "$1lemke"
   end=$(field "$run" status | tr _ ' ')
   [ "$end" = solved ] || end="$end at $(printf '%.4g of %.4g' "$(field "$run" travel)" "$(field "$run" whole)") mm"
-  [ -n "$parts" ] && parts=" $2 | $3 |"
-  echo "| $first | $(printf %.2f "$4") | $(awk "BEGIN { printf \"%.2f\", $4 / $8 }") |$parts" \
-    "$(field "$run" newton_steps) | $(field "$run" iterations) | $(difference "$run" "$9") | $end |"
+  [ -z "$parts" ] || parts=" $2 | $3 | $(field "$run" newton_steps) | $(field "$run" iterations) |"
+  echo "| $first | $(printf %.2f "$4") | $(awk "BEGIN { printf \"%.2f\", $4 / $8 }") |$parts $(difference "$run" "$9") | $end |"
 }
 
-# heads FIRST LINES [PARTS]: of a table, whose first columns are FIRST; PARTS: columns of the parts of the CPU
+# heads FIRST LINES [PARTS]: of a table, whose first columns are FIRST; PARTS: columns of the parts of the CPU and of counts
 heads() {
   parts=${3:-}
-  echo "| $1 | CPU | ratio |$parts Newton steps | iterations | force | end |"
-  echo "$2|---|---|---|---|---|---|${3:+---|---|}"
+  echo "| $1 | CPU | ratio |$parts force | end |"
+  echo "$2|---|---|---|---|${3:+---|---|---|---|}"
 }
 
 # table SCENE MINUTES..: of the paper, for each method; -: none
 table() {
   scene=$1 lemke=$2
-  heads 'method | paper | ratio' '|---|---|---' ' LU and W | method |'
+  heads 'method | paper | ratio' '|---|---|---' ' LU and W | method | Newton steps | iterations |'
   for method in lemke gauss-seidel augmented-lagrangian penalty nlgs newton auto; do
     shift
     row "$method | $1 | $(echo "$1" "$lemke" | awk '$1 != "-" { $1 = sprintf("%.2f", $1 / $2) } { print $1 }')" "$scene" $method
