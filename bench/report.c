@@ -154,19 +154,13 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
     sum->missed += b[k].met && wrong > accuracies[k];
     sum->unknown += b[k].met && !isfinite(wrong);
     sum->cheap += b[k].met && take->got.seconds <= 2 * least;
-    bench_print(to, "| %s | %g | %s%s | %.2g | %s | %.2g |", name, accuracies[k],
+    bench_print(to, "| %s | %g | %s%s | %.2g | %.2g |", name, accuracies[k],
                 b[k].met ? "" : "not decided: ", setting_text(&s, &take->at, 0, words), wrong,
-                mesh == 4           ? "4"
-                : mesh == 2         ? "2"
-                : mesh == 1         ? "-"
-                : isfinite(s.exact) ? "closed form"
-                                    : "graded",
                 take->got.seconds);
+    bench_print(to, isfinite(least) ? " %.2g | %.2g |\n" : " | %.2g |\n",
+                isfinite(least) ? take->got.seconds / least : b[k].error, b[k].error);
     if (isfinite(least))
-      bench_print(to, " %s, %.2g s | %.2g | %.2g |\n", setting_text(&s, &cheap, 0, other), least,
-                  take->got.seconds / least, b[k].error);
-    else
-      bench_print(to, " none up to twice this CPU | | %.2g |\n", b[k].error);
+      printf("cheapest: %s, %.2g s\n", setting_text(&s, &cheap, 0, other), least);
     (void)fflush(to);
   }
 }
@@ -186,13 +180,12 @@ int main(int argc, char **argv) {
   tally sum = {0};
   bench_print(
       to, "Each scene at three accuracies: the advised setting, its error beside the closed form, "
-          "a graded mesh of 512 x 256,\nor a reference with four times the steps and elements "
-          "a quarter (4) or half (2) as large along each side (-: the\nscene has one mesh) and "
-          "what that keeps of the error, its CPU, the cheapest setting of the grid "
-          "that is\nwithin the accuracy with all finer ones, and the error that the report "
-          "estimates.\n\n"
-          "| scene | accuracy | advised | error | mesh of the reference | CPU s | cheapest | "
-          "over the cheapest | estimated |\n|---|---|---|---|---|---|---|---|---|\n");
+          "a graded mesh of 512 x 256,\nor a reference with four times the steps and finer "
+          "elements, its CPU, that CPU over the cheapest setting of a grid that is\nwithin the "
+          "accuracy with all finer ones (empty: none up to twice this CPU), and the error that "
+          "the report estimates.\n\n"
+          "| scene | accuracy | advised | error | CPU s | over the cheapest | estimated |\n"
+          "|---|---|---|---|---|---|---|\n");
   for (int k = 0; scene_name(k) && !count; k++)
     bench_scene(to, scene_name(k), cpu, &sum);
   for (int k = 0; k < count; k++)
