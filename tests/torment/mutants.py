@@ -162,7 +162,8 @@ class Tree:
             shutil.copytree(build, self.root / "build", symlinks=True, ignore=keep)
         self.env = dict(os.environ, OPENBLAS_NUM_THREADS="1", CK_FORK="no", DELASSUS_PROGRAM=PROGRAM, MAKEFLAGS="")
         self.fails = {}  # of tests that have failed: whether they do without a mutant
-        self.gold = ["LDFLAGS=-fuse-ld=gold"] if shutil.which("ld.gold") else []
+        # PREFIX_MAP: a compiler's cache is of use in any folder
+        self.ours = ["PREFIX_MAP=", *(["LDFLAGS=-fuse-ld=gold"] if shutil.which("ld.gold") else [])]
 
     def gather(self, tests):
         """Makes all tests one program, so that a mutant is linked once: its first argument is the test."""
@@ -193,7 +194,7 @@ class Tree:
 
     def line_of(self, goal, changed):
         """Returns the command by which make would make `goal` anew."""
-        said = subprocess.check_output(["make", "-n", "V=1", "-W", changed, *self.gold, goal], cwd=self.root,
+        said = subprocess.check_output(["make", "-n", "V=1", "-W", changed, *self.ours, goal], cwd=self.root,
                                        env=self.env, text=True)
         return next(l for l in said.splitlines() if " -o %s " % goal in l + " ")
 
@@ -230,7 +231,7 @@ class Tree:
         return bound
 
     def make(self, *goals):
-        done = subprocess.run(["make", "-s", "-k", *self.gold, *goals], cwd=self.root, env=self.env,
+        done = subprocess.run(["make", "-s", "-k", *self.ours, *goals], cwd=self.root, env=self.env,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         return done.returncode == 0, done.stdout
 
