@@ -49,45 +49,60 @@ static const int unknowns_of[] = {[FREE] = GAP,
                                   [SLIP_LEFT] = EDGE_DOWN | TO_LEFT,
                                   [SLIP_RIGHT] = EDGE_UP | TO_RIGHT};
 
-/* The problem in scaled unknowns: W_ij / sqrt(w_i w_j), q / sqrt(w), with largest entry 1. */
+/* The problem in scaled unknowns: rows d_i u_i, columns d_n r_c, largest entry of W and of q 1. */
 typedef struct states {
   int nc;
   double W[most_rows][most_rows], q[most_rows], mu[dlsi_most_states];
+  double row[most_rows];         /* scaled row i is row_i times the user's, but for one factor */
   double unit[dlsi_most_states]; /* r_c = unit_c times the scaled r_c */
   state state[dlsi_most_states];
 } states;
 
+/* Sets d with d_i d_j |W_ij| <= 1, close to 1 somewhere in each row that is not 0: n and t of a
+ * contact apart. */
+static void states_balance(const states *s, double *d) {
+  const int m = 2 * s->nc, turns = 4; /* one is enough for W >= 0 */
+  for (int i = 0; i < m; i++)
+    d[i] = s->W[i][i] != 0 ? 1 / sqrt(fabs(s->W[i][i])) : 1;
+  for (int k = 0; k < turns * m; k++) {
+    const int i = k % m;
+    double largest = 0;
+    for (int j = 0; j < m; j++)
+      largest = fmax(largest, d[i] * d[j] * fmax(fabs(s->W[i][j]), fabs(s->W[j][i])));
+    if (largest > 0) d[i] /= sqrt(largest);
+  }
+}
+
 static void states_scale(const dls_contact *problem, states *s) {
-  double w[dlsi_most_states], most = 0, largest = 0;
+  double d[most_rows], most = 0, largest = 0;
   const int nc = s->nc = problem->nc, m = 2 * nc;
-  dlsi_contact_weights(problem, w);
-  for (int c = 0; c < nc; c++) { /* a negative diagonal has a size, too, but no weight of its own */
-    double own = 0;
-    for (int j = 0; j < 2; j++) {
-      double e[2] = {j == 0, j == 1}, column[most_rows] = {0};
-      dlsi_contact_add_columns(problem, c, e, column);
-      own = fmax(own, fmax(fabs(column[2 * c]), fabs(column[2 * c + 1])));
-    }
-    if (own > 0) w[c] = own;
-    most = fmax(most, w[c]);
-  }
-  for (int c = 0; c < nc; c++) { /* scales over the largest: powers of two change no bit */
-    s->unit[c] = sqrt(most / w[c]);
-    s->mu[c] = problem->mu[c];
-  }
   for (int j = 0; j < m; j++) {
     double e[2] = {j % 2 == 0, j % 2}, column[most_rows] = {0};
     dlsi_contact_add_columns(problem, j / 2, e, column);
-    for (int i = 0; i < m; i++)
-      s->W[i][j] = column[i] * s->unit[i / 2] * s->unit[j / 2] / most;
-    s->q[j] = problem->q[j] * s->unit[j / 2];
-    largest = fmax(largest, fabs(s->q[j]));
+    for (int i = 0; i < m; i++) {
+      s->W[i][j] = column[i];
+      most = fmax(most, fabs(column[i]));
+    }
+  }
+  if (most == 0) most = 1;
+  for (int i = 0; i < m; i++) /* over the largest: powers of two change no bit */
+    for (int j = 0; j < m; j++)
+      s->W[i][j] /= most;
+  states_balance(s, d);
+  for (int i = 0; i < m; i++) {
+    for (int j = 0; j < m; j++)
+      s->W[i][j] *= d[i] * d[j - j % 2];
+    s->row[i] = d[i];
+    s->q[i] = problem->q[i] * d[i];
+    largest = fmax(largest, fabs(s->q[i]));
   }
   if (largest == 0) largest = 1;
-  for (int c = 0; c < nc; c++)
-    s->unit[c] *= largest / most;
   for (int j = 0; j < m; j++)
     s->q[j] /= largest;
+  for (int c = 0; c < nc; c++) {
+    s->unit[c] = d[2 * c] * (largest / most);
+    s->mu[c] = problem->mu[c];
+  }
 }
 
 /* The equations (ST2) of chosen states. */
@@ -367,8 +382,8 @@ static int states_refute(const dls_contact *problem, states *s) {
     for (size_t k = 0; !holds && k < sizeof slack / sizeof slack[0]; k++) {
       double y[most_rows], v[2 * most_rows] = {0}, work[2 * most_rows];
       if (!dlsi_refute_vertex(e.n, e.C, slack[k], y)) return 0;
-      for (int i = 0; i < e.n; i++) { /* the scaled rows are unit_c times the user's */
-        const double x = y[i] * s->unit[e.row[i] / 2];
+      for (int i = 0; i < e.n; i++) {
+        const double x = y[i] * s->row[e.row[i]];
         v[e.row[i] + (x < 0 ? m : 0)] = fabs(x);
       }
       holds = dlsi_find_exact(2 * (size_t)m, v, work, refutation_holds, &f);

@@ -279,6 +279,6 @@ int main(void) {
   return RUN("renumber", NULL, NULL, ONCE(powers_of_two), EACH(copies_are_the_same, 0, 20),
              ONCE(equal_candidates_are_told_apart_by_neighbours),
              EACH(equal_candidates_are_told_apart_by_loads, 0, 3),
-             EACH(order_keeps_the_verdict, 0, 60), ONCE(a_copy_by_hand), ONCE(units_of_the_copy),
+             EACH(order_keeps_the_verdict, 0, 24), ONCE(a_copy_by_hand), ONCE(units_of_the_copy),
              EACH(one_entry_tells_apart, 0, 5), ONCE(unsolved_gives_the_best_of_all_stages));
 }

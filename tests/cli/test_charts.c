@@ -162,7 +162,7 @@ END_TEST
  * drawn. */
 START_TEST(without_gnuplot) {
   static const char *const calls[] = {
-      "chart -r 1 jean-fig4 -o @/c", "map --rows 3 jean-fig4 -o @/m",
+      "chart -r 1 jean-fig4 -o @/c", "map --rows 3 --limit 0.05 jean-fig4 -o @/m",
       "profile -r 1 jean-fig4 -o @/p", "solve data/failures/c20-scales.txt --plot @/s"};
   static const char *const files[] = {"c/chart.csv", "m/map.csv", "p/profile.csv", "s/history.csv"};
   char path[4000];
@@ -256,7 +256,7 @@ START_TEST(map_against_rank) {
 END_TEST
 
 START_TEST(map_of_a_scene_in_steps) {
-  ck_assert_int_eq(run("map extrusion --rows 2 --mu 0.05:0.1 --limit 0.5 -o @") & ~1, 0);
+  ck_assert_int_eq(run("map extrusion --rows 2 --mu 0.05:0.1 --limit 0.1 -o @") & ~1, 0);
   ck_assert_int_eq(count_of(contents("map.csv"), "\n"), 1 + 2 * 6);
 }
 END_TEST
@@ -329,9 +329,9 @@ END_TEST
 
 /* The steps of scenes, and matrices, in every command; the answer of a step is the scene's. */
 START_TEST(steps_and_matrices_are_problems) {
-  static const char *const names[] = {"indentation --step 50", "two-blocks", "block-drop",
+  static const char *const names[] = {"indentation --step 10", "two-blocks", "block-drop",
                                       "jean-moving4 --step 10", "bar-impact"};
-  static const char *const notes[] = {"step 50 of 100, 7 contacts touch", "step 40 of 40",
+  static const char *const notes[] = {"step 10 of 100, 4 contacts touch", "step 40 of 40",
                                       "the last with the most contacts that touch",
                                       "step 10 of 800", "1 contact touches"};
   static const char *const calls[] = {"solve %s", "info %s", "chart -r 1 %s -o @/c%d",
@@ -348,7 +348,7 @@ START_TEST(steps_and_matrices_are_problems) {
       ck_assert_msg(run(arguments) == 0, "%s: %s", arguments, output);
       ck_assert_msg(shows(notes[k]), "%s: %s", arguments, output);
     }
-  ck_assert_int_eq(run("map indentation --step 50 --rows 2 --mu 0.1:0.2 -o @/m"), 0);
+  ck_assert_int_eq(run("map indentation --step 10 --rows 2 --mu 0.1:0.2 -o @/m"), 0);
   ck_assert_int_ge(count_of(contents("m/map.csv"), ",auto,solved,"), 2);
 }
 END_TEST
@@ -375,7 +375,7 @@ END_TEST
 /* An LCP is no contact problem: a line, and the rest goes on. */
 START_TEST(lcps_are_skipped) {
   static const char *const calls[] = {"chart -r 1 %s -o @", "map %s -o @", "profile -r 1 %s -o @",
-                                      "map --rows 2 %s jean-fig4 -o @",
+                                      "map --rows 2 --limit 0.05 %s jean-fig4 -o @",
                                       "profile -r 1 %s jean-fig4 -o @/p"};
   char arguments[200];
   for (int k = 0; k < 5; k++) {

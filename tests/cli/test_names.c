@@ -386,7 +386,7 @@ END_TEST
 
 int main(void) {
   const char *given = getenv("DELASSUS_NAMES");
-  const int rounds = given ? atoi(given) : 4;
+  const int rounds = given ? atoi(given) : 2;
   return RUN("names", make_directory, remove_directory, ONCE(names_that_mean_something),
              EACH(names_of_any_bytes, 0, rounds), ONCE(an_apostrophe_is_drawn),
              ONCE(names_that_compute_or_turn), ONCE(errors_escape_controls));

@@ -77,7 +77,7 @@ static const struct {
   int status;
   const char *says[8];
 } reports[] = {
-    {"report jean-fig3 --cpu 4 --text -o @",
+    {"report jean-fig3 --cpu 2 --text -o @",
      "jean-fig3.html",
      0,
      {"Take ", "== Error budget ==", "mesh * 2", "weighted reactions", "no friction",

@@ -272,6 +272,7 @@ static int look_at_plain(void *data, const dls_progress *progress) {
 /* A host without traps finds its flags as they were, whatever a solve with traps did before. */
 START_TEST(plain_host_keeps_its_flags) {
   int count = 0;
+  host_calls = plain_finds = 0;
   const failure *all = contact_failures(&count);
   double r[FAILURE_N];
   for (int k = 0; k < count; k++)
@@ -322,6 +323,7 @@ START_TEST(solver_finds_the_host) {
                        .HN = {2, 1, column, normal, one},
                        .HT = {2, 1, column, tangent, one}};
   dls_reduction *R = NULL;
+  host_calls = host_finds = 0;
   set_host();
   dls_status status = reduce_on_W(&R, &m, NULL, NULL);
   if (!status) status = dls_reduction_load(R, f, NULL, NULL);

@@ -289,7 +289,7 @@ static void judge_planted(int i, tally *t) {
   t->wrong += !(distance(3 * a.p.nc, r, x) <= proof.radius * norm_of(r, 3 * a.p.nc) * (1 + 1e-9));
 }
 
-enum { integers = 6000, planted = 3000 };
+enum { integers = 3000, planted = 1500 };
 
 START_TEST(proofs_of_integers) {
   tally t = {0};

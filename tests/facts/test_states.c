@@ -348,6 +348,23 @@ START_TEST(negative_diagonals_in_other_units) {
 }
 END_TEST
 
+/* W = diag(2^-k, 1), q = (-1/16, -1/8), mu = 1/2: sticks with r = (2^(k-4), 1/8) alone, however
+ * stiff the normal is beside the tangent; below r_t = 1e-12 r_n rounding may leave it open. */
+START_TEST(a_stiff_normal) {
+  for (int k = 4; k <= 44; k += 10) {
+    set_small(1);
+    set_candidate(0, (const double[]){ldexp(1, -k), 0, 0, 1}, (const double[]){-0.0625, -0.125},
+                  0.5);
+    const dls_status status = list_states(1);
+    if (k == 44 && status == DLS_STALLED) return;
+    ck_assert_int_eq(status, DLS_OK);
+    expect_set(1, 0, 1);
+    const double expected[2] = {ldexp(1, k - 4), 0.125};
+    close_values(r, expected, 2, expected[0], 1e-12);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("states", NULL, NULL, ONCE(one_beside_a_ray), ONCE(two_supports_share_a_load),
              ONCE(a_ray_from_free), ONCE(three_beside_three_rays),
@@ -356,5 +373,5 @@ int main(void) {
              ONCE(a_candidate_without_friction), ONCE(either_side), ONCE(border_between_two_states),
              ONCE(no_solution_is_proved), ONCE(no_solution_of_two_together),
              ONCE(auto_finds_the_first_state), ONCE(rounding_is_not_none),
-             ONCE(negative_diagonals_in_other_units));
+             ONCE(negative_diagonals_in_other_units), ONCE(a_stiff_normal));
 }

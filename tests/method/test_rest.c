@@ -165,7 +165,7 @@ static void ends_at_once(const char *kind, int size, double cpu_seconds, dls_sta
 
 /* A factorisation that would take more than the sweeps it saves is not begun, (AR11). */
 START_TEST(too_much_fill) {
-  ends_at_once("balls-rest", 8000, 0, DLS_STALLED, 0);
+  ends_at_once("packing-rest", 30000, 0, DLS_STALLED, 0);
 }
 END_TEST
 
