@@ -1,7 +1,4 @@
-/*
- * regret_bodies.c: gears, domes, pyramids of crates, wedges, trains of gears, books, logs, beams that
- * lie crosswise, dominoes.
- */
+/* regret_bodies.c: machines and stacks of rigid bodies, from gears to dominoes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
