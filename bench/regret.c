@@ -22,7 +22,7 @@
  * solve is a child process (solvers_call.c): repeated up to 20 ms, the least counts. Methods: nlgs
  * plain, with momentum, with Anderson's acceleration, newton, admm, augmented Lagrangian; for small
  * problems lemke and homotopy; the steps of auto that are no methods, each as a plan of that step
- * alone: convex (with its joints), splitting, cold-splitting, scatter.
+ * alone: convex (with its joints), splitting, cold-splitting, near-splitting, scatter.
  *
  * Writes regret.md and regret.csv.
  */

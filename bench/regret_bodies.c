@@ -1,4 +1,4 @@
-/* regret_bodies.c: gears, domes, pyramids of crates, wedges, trains of gears, books, logs. */
+/* regret_bodies.c: machines and stacks of rigid bodies, from gears to dominoes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,8 +163,8 @@ static void put_dome(yard *y, int rings, int stones) {
   }
 }
 
-/* Layers of crates of side 1: `side`^2, (side-1)^2, .., each on four. Pushed a little. */
-static void put_pyramid(yard *y, int side) {
+/* Layers of crates of side 1: `side`^2, (side-1)^2, .., each on four, moved along at the top. */
+static void put_pyramid(yard *y, int side, double along) {
   static const double up[3] = {0, 0, 1};
   int first = 0, below = 0;
   for (int layer = 0; layer < side; layer++) {
@@ -172,7 +172,7 @@ static void put_pyramid(yard *y, int side) {
     for (int k = 0; k < wide * wide; k++) {
       const double m = 1 + 0.5 * bench_draw(&y->state), inertia[3] = {m / 6, m / 6, m / 6};
       const double x[3] = {k % wide + 0.5 * layer, k / wide + 0.5 * layer, layer + 0.5};
-      const double v[6] = {0.05 * (layer + 1.) / side, 0, -1};
+      const double v[6] = {along * (layer + 1.) / side, 0, -1};
       const int b = yard_body(y, x, m, inertia, v);
       for (int at = 0; at < (layer ? 12 : 4); at++) {
         const int right = at & 1, back = at >> 1 & 1;
@@ -280,6 +280,53 @@ static void put_logs(yard *y, int wide) {
   }
 }
 
+/* Layers of three beams 3 x 1 x .6, each across those below, some of them missing. Two beams touch
+ * in four points. */
+static void put_beams(yard *y, int layers, double along) {
+  static const double up[3] = {0, 0, 1};
+  int below[3] = {-1, -1, -1}, now[3];
+  for (int layer = 0; layer < layers; layer++, memcpy(below, now, sizeof below)) {
+    const int turned = layer % 2;
+    for (int k = 0; k < 3; k++) {
+      const double m = 1 + 0.02 * bench_draw(&y->state),
+                   x[3] = {turned ? k - 1. : 0, turned ? 0 : k - 1., 0.6 * layer + 0.3};
+      const double inertia[3] = {m * (turned ? 9.36 : 1.36) / 12, m * (turned ? 1.36 : 9.36) / 12,
+                                 m * 10 / 12};
+      const double v[6] = {along + 3e-4 * bench_draw(&y->state), 0, -0.1};
+      const int inside = layer && layer < layers - 1;
+      now[k] = inside && bench_draw(&y->state) < -0.8 ? -1 : yard_body(y, x, m, inertia, v);
+      for (int at = 0; now[k] >= 0 && at < (layer ? 12 : 4); at++) {
+        const int lower = layer ? below[at / 4] : -1;
+        const double beside = layer ? at / 4 - 1. : 0, side = (at & 1 ? 0.45 : -0.45),
+                     end = beside + (at & 2 ? 0.45 : -0.45) * (layer ? 1 : 3);
+        const double p[3] = {turned ? x[0] + side : end, turned ? end : x[1] + side, 0.6 * layer};
+        if (!layer || lower >= 0) yard_touch(y, now[k], lower, p, up);
+      }
+    }
+  }
+}
+
+/* Slabs that lean on each other in a row, each on one edge; the last one on both. */
+static void put_dominoes(yard *y, int count) {
+  const double high = 1, thick = 0.15;
+  for (int b = 0; b < count; b++) {
+    const double lean = 0.25 + 0.3 * b / count, m = 1 + 0.05 * bench_draw(&y->state);
+    const double I = m * (high * high + thick * thick) / 12, x[3] = {0.5 * b, 0.5, 0};
+    const double v[3] = {0, -0.1, -0.025 * (1 + bench_draw(&y->state))}, up[3] = {0, 1, 0};
+    const int now = yard_body(y, x, m, &I, v);
+    const double e[2] = {sin(lean), cos(lean)}; /* along the slab, upwards */
+    for (int edge = 0; edge < (b == count - 1 ? 2 : 1); edge++) {
+      const double across = edge ? -thick / 2 : thick / 2;
+      const double foot[3] = {x[0] + across * e[1] - e[0] / 2, x[1] - across * e[0] - e[1] / 2, 0};
+      yard_touch(y, now, -1, foot, up);
+    }
+    if (b == 0) continue;
+    const double to_last[3] = {-cos(lean + 0.02), sin(lean + 0.02), 0};
+    const double top[3] = {x[0] - thick / 2 * e[1] + 0.3 * e[0], x[1] + 0.3 * e[1], 0};
+    yard_touch(y, now - 1, now, top, to_last);
+  }
+}
+
 int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
   yard y = {.mu = mu, .state = regret_state(seed, 3)};
   int bad = -1;
@@ -291,10 +338,10 @@ int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint
     const int rings = (int)fmax(2, sqrt(size / 32.)), stones = (int)fmax(3, size / (8. * rings));
     bad = yard_open(&y, a, 3, rings * stones, 8 * rings * stones);
     if (!bad) put_dome(&y, rings, stones);
-  } else if (strcmp(kind, "pyramid") == 0) {
+  } else if (strncmp(kind, "pyramid", 7) == 0) {
     const int side = (int)fmax(1, round(cbrt(size / 4.) + 0.2));
     bad = yard_open(&y, a, 3, side * side * side, 12 * side * side * side);
-    if (!bad) put_pyramid(&y, side);
+    if (!bad) put_pyramid(&y, side, kind[7] ? 0.5 : 0.05);
   } else if (strcmp(kind, "wedges") == 0) {
     const int count = size / 3 > 2 ? size / 3 : 2;
     bad = yard_open(&y, a, 2, count, 4 * count + 4);
@@ -311,6 +358,14 @@ int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint
     const int wide = (int)sqrt(size / 2.) + 2;
     bad = yard_open(&y, a, 2, wide * wide, 2 * wide * wide + 2 * wide);
     if (!bad) put_logs(&y, wide);
+  } else if (strncmp(kind, "beams", 5) == 0) {
+    const int layers = size / 33 + 2;
+    bad = yard_open(&y, a, 3, 3 * layers, 36 * layers);
+    if (!bad) put_beams(&y, layers, kind[5] ? 0.02 : 0);
+  } else if (strcmp(kind, "dominoes") == 0) {
+    const int count = size / 2 + 1;
+    bad = yard_open(&y, a, 2, count, 2 * count + 1);
+    if (!bad) put_dominoes(&y, count);
   }
   if (!bad) bad = regret_assemble(a, y.d, y.contacts, y.bodies);
   free(y.root);

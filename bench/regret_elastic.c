@@ -12,7 +12,7 @@
 
 static const double pi = 3.14159265358979;
 
-static int make_room(regret_problem *a, int d, int nc) {
+int regret_room(regret_problem *a, int d, int nc) {
   const size_t m = (size_t)d * (size_t)nc;
   a->W = calloc(m * m, sizeof *a->W);
   a->own.q = calloc(m, sizeof *a->own.q);
@@ -80,7 +80,7 @@ void regret_plant(int d, double mu, uint64_t *state, double *r, double *u) {
 
 static int make_planted(regret_problem *a, int d, int nc, double mu, int bonded, uint64_t *state) {
   const int m = d * nc;
-  if (make_room(a, d, nc)) return -1;
+  if (regret_room(a, d, nc)) return -1;
   double *r = calloc(2 * (size_t)m, sizeof *r), *u = r ? r + m : NULL;
   if (!r || regret_spectrum(a->W, m, m, bonded ? 1e2 : 1e4, state)) {
     free(r);
@@ -121,24 +121,32 @@ static void half_space(double x, double y, double a, double *B) {
   B[6] = -B[2];
 }
 
-static int make_rough(regret_problem *a, int size, double mu, uint64_t *state) {
+/* scattered: at random places, each height for itself. */
+static int make_rough(regret_problem *a, int size, double mu, int scattered, uint64_t *state) {
   const int side = (int)fmax(3, round(sqrt(size))), nc = side * side, m = 3 * nc;
-  double phase[12];
-  if (make_room(a, 3, nc)) return -1;
+  double phase[12], *at = calloc(2 * (size_t)nc, sizeof *at);
+  if (!at || regret_room(a, 3, nc)) {
+    free(at);
+    return -1;
+  }
   for (int k = 0; k < 12; k++)
     phase[k] = pi * bench_draw(state);
+  for (int c = 0; c < nc; c++) {
+    at[2 * c] = (c % side + (scattered ? 0.25 * bench_draw(state) : 0)) / side;
+    at[2 * c + 1] = ((double)(c / side) + (scattered ? 0.25 * bench_draw(state) : 0)) / side;
+  }
   for (int j = 0; j < nc; j++)
     for (int i = 0; i < nc; i++) {
       double B[9];
-      half_space((double)(i % side - j % side) / side, (double)(i / side - j / side) / side,
-                 1. / side, B);
+      half_space(at[2 * i] - at[2 * j], at[2 * i + 1] - at[2 * j + 1],
+                 (scattered ? 0.25 : 1) / side, B);
       for (int k = 0; k < 9; k++)
         a->W[(size_t)(3 * i + k % 3) + (size_t)m * (size_t)(3 * j + k / 3)] = B[k];
     }
   for (int c = 0; c < nc; c++) {
-    const double x = (double)(c % side) / side, y = (double)(c / side) / side;
-    double height = 0;
-    for (int k = 0; k < 6; k++)
+    const double x = at[2 * c], y = at[2 * c + 1];
+    double height = scattered ? bench_draw(state) + bench_draw(state) + bench_draw(state) : 0;
+    for (int k = 0; !scattered && k < 6; k++)
       height += pow(0.7, k) *
                 cos(2 * pi * (k + 1) * (x * cos(phase[k]) + y * sin(phase[k])) + phase[k + 6]);
     a->own.q[3 * c] = 0.1 * (0.6 * height - 1);
@@ -146,13 +154,13 @@ static int make_rough(regret_problem *a, int size, double mu, uint64_t *state) {
     a->own.q[3 * c + 2] = 0.02 * x;
     a->own.mu[c] = mu * (1 + 0.4 * bench_draw(state));
   }
+  free(at);
   return 0;
 }
 
 /* ---- robots ---------------------------------------------------------------------------------- */
 
-/* W = H^T H and q = H^T v of a few bodies with n motions in all. H: n x m. */
-static void multiply_motions(regret_problem *a, int n, int m, const double *H, const double *v) {
+void regret_multiply(regret_problem *a, int n, int m, const double *H, const double *v) {
   for (int j = 0; j < m; j++) {
     for (int i = 0; i < m; i++) {
       double sum = 0;
@@ -172,7 +180,7 @@ static int make_robot(regret_problem *a, int n, int size, double mu, int hand, u
   const int nc = size < least ? least : size, m = 3 * nc, own = n > 6 ? (n - 6) / 4 : 0;
   double T[6][most] = {{0}}, v[most];
   double *H = calloc((size_t)m * most, sizeof *H);
-  if (!H || make_room(a, 3, nc)) {
+  if (!H || regret_room(a, 3, nc)) {
     free(H);
     return -1;
   }
@@ -206,7 +214,7 @@ static int make_robot(regret_problem *a, int n, int size, double mu, int hand, u
     a->own.mu[c] = mu;
     if (hand) a->own.q[3 * c] = -0.02 * (1 + 0.5 * bench_draw(state));
   }
-  multiply_motions(a, n, m, H, v);
+  regret_multiply(a, n, m, H, v);
   for (int i = 0; hand && i < m; i++) /* finger tips give */
     a->W[(size_t)i * (size_t)(m + 1)] += i % 3 ? 0.015 : 0.01;
   free(H);
@@ -217,7 +225,7 @@ static int make_robot(regret_problem *a, int n, int size, double mu, int hand, u
 
 static int copy_contact(regret_problem *a, const dls_contact *from, double mu) {
   const int d = from->d, m = d * from->nc;
-  if (make_room(a, d, from->nc)) return -1;
+  if (regret_room(a, d, from->nc)) return -1;
   for (int j = 0; j < m; j++)
     memcpy(a->W + (size_t)j * (size_t)m, from->W.a + (size_t)j * (size_t)from->W.ld,
            (size_t)m * sizeof *a->W);
@@ -274,7 +282,8 @@ int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uin
   if (strcmp(kind, "box") == 0) return make_robot(a, 6, size, mu, 0, &state);
   if (strcmp(kind, "feet") == 0) return make_robot(a, seed % 4 < 2 ? 18 : 30, size, mu, 0, &state);
   if (strcmp(kind, "hand") == 0) return make_robot(a, 6, size, mu, 1, &state);
-  if (strcmp(kind, "rough3") == 0) return make_rough(a, size, mu, &state);
+  if (strcmp(kind, "rough3") == 0) return make_rough(a, size, mu, 0, &state);
+  if (strcmp(kind, "asperities") == 0) return make_rough(a, size, mu, 1, &state);
   if (strncmp(kind, "ill", 3) == 0) return make_planted(a, d, size, mu, 0, &state);
   if (strncmp(kind, "bonded", 6) == 0) return make_planted(a, d, size, mu, 1, &state);
   return make_block(a, size, mu, seed);

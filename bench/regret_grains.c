@@ -26,12 +26,17 @@ typedef struct recipe {
   int impact;   /* 1: one grain in ten is fast, the others stand still */
 } recipe;
 
-static const recipe recipes[] = {
-    {"ell3-rest", "balls-rest", 1, 0.3, 0.5, 0, 0},  {"ell3-flow", "balls-flow", 1, 0.3, 0.5, 0, 0},
-    {"poly2-rest", "discs-rest", 2, 0.1, 0, 0, 0},   {"poly2-flow", "discs-flow", 2, 0.1, 0, 0, 0},
-    {"poly3-flow", "balls-flow", 3, 0.1, 0.3, 0, 0}, {"drum2", "discs-rest", 1, 0, 0, 0.2, 0},
-    {"drum3", "balls-rest", 1, 0, 0, 0.2, 0},        {"impact2", "discs-rest", 1, 0, 0, 0, 1},
-    {"impact3", "balls-rest", 1, 0, 0, 0, 1}};
+static const recipe recipes[] = {{"ell3-rest", "balls-rest", 1, 0.3, 0.5, 0, 0},
+                                 {"ell3-flow", "balls-flow", 1, 0.3, 0.5, 0, 0},
+                                 {"poly2-rest", "discs-rest", 2, 0.1, 0, 0, 0},
+                                 {"poly2-flow", "discs-flow", 2, 0.1, 0, 0, 0},
+                                 {"poly3-flow", "balls-flow", 3, 0.1, 0.3, 0, 0},
+                                 {"drum2", "discs-rest", 1, 0, 0, 0.2, 0},
+                                 {"drum3", "balls-rest", 1, 0, 0, 0.2, 0},
+                                 {"impact2", "discs-rest", 1, 0, 0, 0, 1},
+                                 {"impact3", "balls-rest", 1, 0, 0, 0, 1},
+                                 {"worn3-rest", "balls-rest", 1, 0.1, 0.5, 0, 0},
+                                 {"drum3-sizes", "sizes3-flow", 1, 0, 0, 0.2, 0}};
 enum { recipe_count = sizeof recipes / sizeof recipes[0] };
 
 static void cross(const double *a, const double *b, double *c) {

@@ -75,6 +75,19 @@ static const struct row {
     {"box", regret_elastic, 40},
     {"feet", regret_elastic, 40},
     {"hand", regret_elastic, 60},
+    {"beams", regret_bodies, 3000},
+    {"beams-pushed", regret_bodies, 3000},
+    {"pyramid-pushed", regret_bodies, 3000},
+    {"dominoes", regret_bodies, 3000},
+    {"sizes2-flow", of_rigid, 3000},
+    {"sizes3-flow", of_rigid, 3000},
+    {"worn3-rest", regret_grains, 3000},
+    {"drum3-sizes", regret_grains, 3000},
+    {"asperities", regret_elastic, 300},
+    {"cloth", regret_nets, 200},
+    {"cloth-stiff", regret_nets, 200},
+    {"rope", regret_nets, 200},
+    {"plates", regret_nets, 150},
 };
 enum { row_count = sizeof rows / sizeof rows[0] };
 

@@ -39,7 +39,14 @@ typedef struct regret_problem {
  *   books                    3D a row of books, pressed together and lifted
  *   logs                     2D logs in a stack between two posts
  *   box, feet                3D one body, a robot of 18 or 30 motions on its feet: dense, that rank
- *   hand                     3D a body among finger tips that give */
+ *   hand                     3D a body among finger tips that give
+ *   beams, beams-pushed      3D beams in layers of three, crosswise, some missing; pushed along
+ *   pyramid-pushed           pyramid, pushed ten times as much
+ *   dominoes                 2D slabs that lean on each other in a row
+ *   worn3-rest               ell3-rest with a tilt of .1
+ *   drum3-sizes              drum3 with radii from 1 to 10
+ *   asperities               elastic half-space under points of random places and heights, dense
+ *   cloth, cloth-stiff, rope, plates   nets of springs (regret_nets.c), dense */
 int regret_create(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 void regret_free(regret_problem *a);
 
@@ -55,14 +62,23 @@ uint64_t regret_state(uint64_t seed, uint64_t salt);
 
 /* ---- the generators, each for the kinds of its file ------------------------------------------ */
 
-/* regret_bodies.c: gears, dome, pyramid, wedges, train, books, logs. */
+/* regret_bodies.c: gears, dome, pyramid, wedges, train, books, logs, beams, dominoes. */
 int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
-/* regret_grains.c: ell3-rest to impact3. */
+/* regret_grains.c: ell3-rest to impact3, worn3-rest, drum3-sizes. */
 int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
-/* regret_elastic.c: ill2 to block2, box, feet, hand. */
+/* regret_elastic.c: ill2 to block2, box, feet, hand, asperities. */
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+
+/* regret_nets.c: cloth, cloth-stiff, rope, plates. */
+int regret_nets(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+
+/* Allocates W, q, mu of a problem with dense W, all 0. Returns -1 without memory. */
+int regret_room(regret_problem *a, int d, int nc);
+
+/* W = H^T H, q += H^T v. H: n x m. */
+void regret_multiply(regret_problem *a, int n, int m, const double *H, const double *v);
 
 /* Fills W (m x m, zeros) with `rank` eigenvalues from 1 to 1 / condition, spaced evenly in their
  * logarithm, and zeros. Returns 0, or -1 without memory. */

@@ -26,6 +26,7 @@ static const own_method own[] = {
     {"convex", "auto", "none", {1000000, 1000000}, "convex"},
     {"splitting", "auto", "none", {2000, 2000}, "splitting"},
     {"cold-splitting", "auto", "none", {2000, 2000}, "cold-splitting"},
+    {"near-splitting", "auto", "none", {2000, 2000}, "near-splitting"},
     {"scatter", "auto", "none", {150, 100}, "scatter"}};
 enum { own_count = sizeof own / sizeof own[0], all_sweeps = 100000000 };
 

@@ -46,8 +46,8 @@ typedef struct dls_limits {
   double cpu_seconds; /* > 0: limit on the CPU time of this thread; the solve then ends after its
                          current iteration with DLS_TIME_LIMIT and the best answer so far; 0: no
                          limit; 0. With 0 and no callback no clock is read. */
-  int threads; /* threads of a sweep over a large W (the guide, "Threads"); from 2 on the bits do
-                  not depend on the number of threads or cores; 1 (0: the same) */
+  int threads; /* threads of a sweep over a large W (the guide, "Threads"); the bits do not depend
+                  on the number of threads or cores; 1 (0: the same) */
 } dls_limits;
 
 #ifdef __cplusplus

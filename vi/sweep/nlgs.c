@@ -14,8 +14,8 @@
  *   nlgs_active.c    (NL13) sweeps over the contacts that act
  *   nlgs_work.h      the workspace; functions that these files share
  *
- * This file makes the workspace, prepares it for the storage of W and for the threads, and has the
- * public functions and the row in the table of methods.
+ * This file makes the workspace, prepares it for the storage of W, and has the public functions and
+ * the row in the table of methods.
  *
  * Source: [Jean 1988] 3.3 names Gauss-Seidel on (3.3)5-6; the form with exact local solutions is
  * Jourdan, Alart and Jean 1998. Deviation: u is updated by columns; the usual code recomputes row c
@@ -33,8 +33,9 @@
 #include "nlgs_work.h"
 
 enum { most_window = 100 };
-enum { least_grouped = 500 }; /* contacts: groups pay from there on */
-enum { large_panel = 2000 };  /* rows: W is 32 MB then, and a panel takes longer than a barrier */
+enum { least_grouped = 500 };  /* contacts: groups pay from there on */
+enum { least_slabbed = 4000 }; /* the same of slabs: with fewer their groups are less full */
+enum { large_panel = 2000 };   /* rows: W is 32 MB then, and a panel takes longer than a barrier */
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   if (!settings) return;
@@ -145,8 +146,9 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
   return DLS_OK;
 }
 
-/* Prepares the workspace for the storage and the threads. Bodies stay factored (NL11), except for
- * (NL6), which combines u. DLS_E_MEMORY, DLS_E_SIZE. */
+/* Prepares the workspace for the storage. Bodies stay factored (NL11), except for (NL6), which
+ * combines u. Slabs follow from the problem, not from the threads, and so do the bits.
+ * DLS_E_MEMORY, DLS_E_SIZE. */
 static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, const int *order,
                                dls_error *error) {
   work->motions = 0;
@@ -163,14 +165,15 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   if (status || order || (*problem)->W.a || (*problem)->nc < least_grouped ||
       work->settings.relaxation != 1)
     return status;
-  const int several = work->settings.limits.threads > 1, had = work->slabs.set.slabs > 0;
-  if (several != had) work->groups.kept_size = 0;
-  if (!several) /* as numbered at first: the fewest sweeps */
+  const int known = work->knows && work->motions;
+  const int slabbed = (*problem)->nc >= least_slabbed && !known;
+  if (slabbed != (work->slabs.set.slabs > 0)) work->groups.kept_size = 0;
+  if (!slabbed) /* as numbered */
     work->slabs.set = (dlsi_set){.list = work->visited == (*problem)->nc ? work->visits : NULL,
                                  .count = (*problem)->nc};
   else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
-  work->grouped = !status && work->knows && work->motions && !several;
+  work->grouped = !status && known;
   if (!work->grouped) { /* (NL13) makes them where it ends */
     if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
     work->grouped = work->whole = !status && work->groups.count > 0;
@@ -206,7 +209,7 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
   if (status) return status;
   if (order) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
   nlgs_run run = {work, problem, order, r, u, info, DLS_OK};
-  const int large = work->grouped ? problem->nc >= dlsi_few_candidates
+  const int large = work->grouped ? work->slabs.set.slabs > 1
                                   : problem->W.a && problem->d * problem->nc >= large_panel;
   dlsi_team_run(large ? work->settings.limits.threads : 1, nlgs_run_in_team, &run);
   status = run.status;

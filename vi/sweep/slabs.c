@@ -9,8 +9,8 @@
  *   levels   0 1 2 | 3 | 4 | 5 | 6 7 | ..       all even slabs at the same time,
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
  *
- * Few slabs are near the order of the numbers, in which packings at rest take the fewest sweeps
- * (bench/results/tried.md). Four slabs keep two threads at work.
+ * Four slabs keep two threads at work, and take as many sweeps as the order of the numbers. Their
+ * groups are less full, so slabs begin at 4,000 contacts (docs/decisions.md).
  *
  * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
  * Within a slab contacts ascend, as in memory. Parts that are not coupled follow each other in one
