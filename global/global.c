@@ -488,6 +488,12 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
   status = solve_split(work, error);
   if (status < 0) return status;
   if (dls_solved(status)) solve_tidy(work);
+  double predicted = 0;
+  if (dls_solved(status) && info && !work->unread) {
+    const dls_status failed = dlsi_global_accuracy(work, &predicted, error);
+    if (failed) return failed;
+    status = dlsi_certificate_verdict(&work->best, work->limits->tol);
+  }
   if (work->m > 0) memcpy(r, work->best_r, (size_t)work->m * sizeof *r);
   for (int j = 0; j < work->n; j++)
     x[j] = work->best_x[j] + work->own[j] + work->flight[j];
@@ -496,7 +502,8 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
                        .method = DLS_ADMM,
                        .iterations = work->iterations,
                        .factorisations = work->factorisations,
-                       .certificate = work->best};
+                       .certificate = work->best,
+                       .error = predicted};
   dlsi_tell_last(work->limits, work->begun, "global", "global", work->iterations,
                  work->best.residual, r);
   return status;

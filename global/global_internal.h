@@ -68,6 +68,7 @@ struct dls_global {
   double *own;             /* n: the body's own deformation, split off; 0 before */
   double *flight;          /* n: motions that K holds by its rounding alone, moved into gap */
   double *balanced, *blur; /* 2 parts, m: of body, once split */
+  int unread;              /* info.error is left 0 */
   int is_split;            /* 1: f, load, gap, g are of the split problem, x and best_x its y */
   double *best_r, *best_x; /* as the caller has them: m, n */
   double *trial, *look;    /* m: r, u as the caller has them */
@@ -152,6 +153,11 @@ dls_status dlsi_global_verdict(const dls_global *work, dls_status status);
  * as dlsi_global_measure, or an error. Keeps x, spoils r and u. */
 dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t draw,
                               dls_error *error);
+
+/* Improves the best pair by a step, if it can, and predicts |r - r*| / |r|: INFINITY if the
+ * reactions are not determined, 0 for a host's solver or more than 1,000 unknowns and reactions.
+ * Spoils x, r, u, before. DLS_OK or an error. */
+dls_status dlsi_global_accuracy(dls_global *work, double *predicted, dls_error *error);
 
 /* ---- scatter.c ------------------------------------------------------------------------------- */
 

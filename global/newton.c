@@ -29,19 +29,26 @@
  *          probability 1/2. E starts large and is halved by each step; s is drawn, too: with a
  *          small one a contact that slips the wrong way sticks first. 30 steps.
  *
+ *   (GN5)  The error of an answer is the length of the next step. The step is taken if the
+ *          certificate gets no worse; its own error is that of one more. Where W of the contacts that
+ *          carry is singular, delta alone holds their reactions: they are not determined.
+ *
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */
 #include <stdlib.h>
 #include <string.h>
 
 #include "global_internal.h"
+#include "solved.h"
 
-enum { most_steps = 12, patience = 3, most_scattered = 30 };
+enum { most_steps = 12, patience = 3, most_scattered = 30, most_predicted = 1000 };
 
 static const double delta = 1e-9;
-static const double least_beta = 1e-10; /* R / |tau|: keeps l finite if R vanishes */
-static const double fade = 0.5;         /* (GN4) */
-static const double stale = 0.1;        /* ratio of residuals above which factors are renewed */
+static const double least_beta = 1e-10;  /* R / |tau|: keeps l finite if R vanishes */
+static const double fade = 0.5;          /* (GN4) */
+static const double least_hold = 1e-10;  /* (GN5) where the states leave a motion free */
+static const double undetermined = 1e-3; /* of 1 / delta (GN5) */
+static const double stale = 0.1;         /* ratio of residuals above which factors are renewed */
 
 /* A contact under (GN1). */
 typedef struct branch {
@@ -248,25 +255,41 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
   return DLS_STALLED;
 }
 
-dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t draw,
-                              dls_error *error) {
-  newton N = {.global = work,
-              .hold = draw ? pow(10, -8 * dlsi_draw(draw)) : work->system->hold,
-              .s = draw             ? pow(10, -8 * dlsi_draw(draw + 1))
-                   : work->is_split ? fmin(1, work->rho)
-                                    : 1,
-              .draw = draw ? dlsi_mix(draw) | 1 : 0};
-  dls_error why = {0};
+static dls_status newton_create(newton *N, dls_global *work, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m +
                          6 * (size_t)work->H.p[m]; /* slip: H_n alone, H_n and H_t p, twice */
-  dls_status status =
-      dlsi_triplets_alloc(work->n + work->m, work->n + work->m, entries, &N.t, error);
-  N.of = calloc((size_t)work->nc + 1, sizeof *N.of);
-  N.v = dlsi_alloc(2 * n + m, sizeof *N.v);
-  if (!status && (!N.of || !N.v)) status = dlsi_no_memory(error);
+  *N = (newton){
+      .global = work, .hold = work->system->hold, .s = work->is_split ? fmin(1, work->rho) : 1};
+  const dls_status status =
+      dlsi_triplets_alloc(work->n + work->m, work->n + work->m, entries, &N->t, error);
+  N->of = calloc((size_t)work->nc + 1, sizeof *N->of);
+  N->v = dlsi_alloc(2 * n + m, sizeof *N->v);
+  if (status) return status;
+  if (!N->of || !N->v) return dlsi_no_memory(error);
+  N->x = N->v + n + m;
+  return DLS_OK;
+}
+
+static void newton_free(newton *N) {
+  dlsi_general_free(&N->general);
+  dlsi_triplets_free(&N->t);
+  free(N->of);
+  free(N->v);
+}
+
+dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t draw,
+                              dls_error *error) {
+  newton N;
+  dls_error why = {0};
+  const size_t n = (size_t)work->n;
+  dls_status status = newton_create(&N, work, error);
+  if (draw) {
+    N.hold = pow(10, -8 * dlsi_draw(draw));
+    N.s = pow(10, -8 * dlsi_draw(draw + 1));
+    N.draw = dlsi_mix(draw) | 1;
+  }
   if (!status) {
-    N.x = N.v + n + m;
     memcpy(N.x, work->x, n * sizeof *N.x);
     status = newton_iterate(&N, r, hold, &why);
     memcpy(work->x, N.x, n * sizeof *N.x);
@@ -275,9 +298,91 @@ dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t
     else if (status < 0 && error)
       *error = why;
   }
-  dlsi_general_free(&N.general);
-  dlsi_triplets_free(&N.t);
-  free(N.of);
-  free(N.v);
+  newton_free(&N);
   return status;
+}
+
+/* (GN5) Takes a step from `from` to r, x, the factors in N; returns the largest move over the
+ * largest reaction, both in the caller's unit. */
+static dls_status accuracy_step(newton *N, const double *from, double *r, double *moved,
+                                dls_error *error) {
+  const dls_global *work = N->global;
+  double most = 0, move = 0;
+  memcpy(r, from, (size_t)work->m * sizeof *r);
+  newton_base(N, r);
+  const dls_status status = newton_step(N, r, error);
+  for (int k = 0; k < work->m; k++) {
+    most = fmax(most, fabs(r[k] / work->root[k]));
+    move = fmax(move, fabs((r[k] - from[k]) / work->root[k]));
+  }
+  *moved = move == 0 ? 0 : move / most;
+  return status;
+}
+
+/* (GN5) Returns 1 if the reactions are not determined: unit positions, with signs at random, make
+ * them as large as delta does. */
+static int accuracy_is_free(newton *N, dls_error *error) {
+  const dls_global *work = N->global;
+  const size_t n = (size_t)work->n;
+  double most = 0;
+  memset(N->v, 0, n * sizeof *N->v);
+  for (int k = 0; k < N->unknowns; k++)
+    N->v[n + (size_t)k] = dlsi_draw((uint64_t)(k + 1) * DLSI_GOLDEN_BITS) < 0.5 ? -1 : 1;
+  if (dlsi_general_solve(&N->general, 0, N->v, error)) return 0;
+  for (int k = 0; k < N->unknowns; k++)
+    most = fmax(most, fabs(N->v[n + (size_t)k]));
+  return most > undetermined / delta;
+}
+
+dls_status dlsi_global_accuracy(dls_global *work, double *predicted, dls_error *error) {
+  newton N;
+  dls_error why = {0};
+  dls_certificate now;
+  const size_t n = (size_t)work->n, m = (size_t)work->m;
+  const dls_certificate best = work->best;
+  *predicted = 0;
+  if (!work->system || m == 0 || n + m > most_predicted) return DLS_OK;
+  double *kept = dlsi_alloc(n + 2 * m, sizeof *kept), moved = 0;
+  dls_status status = kept ? newton_create(&N, work, error) : dlsi_no_memory(error);
+  if (!kept) return status;
+  double *r = kept + n, *next = work->before;
+  if (!status) {
+    memcpy(kept, work->best_x, n * sizeof *kept);
+    memcpy(r + m, work->best_r, m * sizeof *r);
+    memcpy(work->x, kept, n * sizeof *kept);
+    for (size_t k = 0; k < m; k++)
+      r[k] = work->best_r[k] * work->root[k];
+    dlsi_global_look(work, work->x, work->u);
+    (void)newton_sort(&N, r, 1);
+    status = newton_factor(&N, &why);
+    work->factorisations++;
+    if (status == DLS_E_SINGULAR && N.hold < least_hold) {
+      N.hold = least_hold;
+      status = newton_factor(&N, &why);
+      work->factorisations++;
+    }
+    if (!status) status = accuracy_step(&N, r, next, &moved, &why);
+  }
+  if (!status) {
+    const dls_status verdict = dlsi_global_measure(work, next, &now);
+    if (verdict == DLS_STALLED || verdict == dlsi_split_first ||
+        !(dlsi_body_badness(&now) <= dlsi_body_badness(&best))) {
+      work->best = best;
+      memcpy(work->best_x, kept, n * sizeof *kept);
+      memcpy(work->best_r, r + m, m * sizeof *r);
+    } else {
+      memcpy(r, next, m * sizeof *r);
+      status = accuracy_step(&N, r, next, &moved, &why);
+    }
+    *predicted = accuracy_is_free(&N, &why) ? INFINITY : fmax(moved, work->best.floor_r);
+  }
+  newton_free(&N);
+  free(kept);
+  if (status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED) return DLS_OK;
+  if (status < 0 && error) *error = why;
+  return status;
+}
+
+void dlsi_global_leave_error(dls_global *global, int unread) {
+  global->unread = unread;
 }

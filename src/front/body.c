@@ -208,9 +208,10 @@ dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
 /* ---- the solve ------------------------------------------------------------------------------- */
 
 /* (BY3) from (x, r), or without W from the last x and r, or from 0; in the rest of the time since
- * `begun`. Returns a status of dls_global_solve. */
+ * `begun`. unread: info->error stays 0. Returns a status of dls_global_solve. */
 static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const dls_limits *limits,
-                             double begun, double *r, double *x, dls_info *info, dls_error *error) {
+                             double begun, int unread, double *r, double *x, dls_info *info,
+                             dls_error *error) {
   companion *it;
   dls_status status = companion_of(reduction, &it, error);
   if (status) return status;
@@ -228,6 +229,7 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
   there.warm_start = limits->warm_start || !of.on_K;
   if (limits->cpu_seconds > 0) there.cpu_seconds = dlsi_clock_left(limits, begun);
   if (of.on_K) memcpy(x, it->x, (size_t)of.K.n * sizeof *x);
+  dlsi_global_leave_error(it->global, unread);
   status = dls_global_solve(it->global, of.f, gap, mu, &there, all, x, info, error);
   if (status >= 0) memcpy(it->x, x, (size_t)of.K.n * sizeof *x);
   for (size_t k = 0; status >= 0 && k < rows * nc; k++)
@@ -382,9 +384,10 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
                       s.method == DLS_AUTO && !s.plan && of.has_K && m > 0 &&
                       !s.limits.max_iterations;
   if (goes_on || of.on_K) {
-    status = solve_on_K(reduction, mu, &s.limits, begun, answer, unknowns, &on_K, error);
+    status = solve_on_K(reduction, mu, &s.limits, begun, !info, answer, unknowns, &on_K, error);
     if (status >= 0) {
       add_outcome(&outcome, &on_K, reduction, status);
+      outcome.error = on_K.error;
       if (!is_split(reduction)) {
         const dls_status measured = dlsi_reduction_certify(reduction, mu, answer, unknowns, tol,
                                                            position, &outcome.certificate, error);

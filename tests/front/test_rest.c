@@ -5,6 +5,7 @@
  * masses.
  */
 #include <check.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -251,6 +252,13 @@ START_TEST(walls_that_press) {
   ck_assert(!dls_reduction_load(reduction, f, NULL, NULL));
   ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL));
   ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_OK);
+  if (_i == 0) { /* which r_n is not determined, and said so */
+    double by[4] = {0}, at[2];
+    dls_info info;
+    ck_assert(dls_solved(dls_reduction_solve(reduction, mu, NULL, by, NULL, at, &info, NULL)));
+    ck_assert_double_eq_tol(by[1] + by[3], 1, 1e-7);
+    ck_assert(info.error > DBL_MAX);
+  }
   x[0] = -.01;
   ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL));
   ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
@@ -259,6 +267,42 @@ START_TEST(walls_that_press) {
   ck_assert(!dls_reduction_certify(reduction, mu, r, x, NULL, &c, NULL));
   ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
   dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* The error of a loose answer on K, beside a sharp one. */
+START_TEST(error_on_K) {
+  solids S;
+  solids_stack(&S, 2, 1, 4, .5);
+  const dls_model *model = solids_model(&S);
+  double *x = calloc((size_t)model->n, sizeof *x), mu[64], r[2][64] = {{0}}, largest = 0, apart = 0;
+  dls_reduction *reduction;
+  dls_reduction_settings how;
+  dls_info info[2];
+  dls_reduction_settings_init(&how);
+  how.on = DLS_ON_K;
+  ck_assert(!dls_reduction_create(&reduction, model, &how, NULL));
+  ck_assert(!dls_reduction_load(reduction, S.f, NULL, NULL));
+  for (int c = 0; c < model->nodes; c++)
+    mu[c] = .3;
+  for (int k = 0; k < 2; k++) {
+    dls_solver_settings settings;
+    dls_solver_settings_init(&settings);
+    settings.limits.tol = k ? 1e-13 : 1e-3;
+    ck_assert(
+        dls_solved(dls_reduction_solve(reduction, mu, &settings, r[k], NULL, x, &info[k], NULL)));
+  }
+  for (int k = 0; k < 2 * model->nodes; k++) {
+    largest = fmax(largest, fabs(r[1][k]));
+    apart = fmax(apart, fabs(r[1][k] - r[0][k]));
+  }
+  ck_assert_double_gt(info[0].error, apart / largest / 30);
+  ck_assert_double_lt(info[0].error, 1e-3);
+  ck_assert_double_gt(info[1].error, 0);
+  ck_assert_double_lt(info[1].error, 1e-10);
+  dls_reduction_destroy(reduction);
+  free(x);
+  solids_free(&S);
 }
 END_TEST
 
@@ -459,6 +503,6 @@ END_TEST
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
              EACH(grasp, 0, 4), EACH(warm_block, 0, 30), EACH(walls_that_press, 0, 3),
-             ONCE(wrong_behind_heat), ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8),
-             EACH(large_friction, 0, 2));
+             ONCE(error_on_K), ONCE(wrong_behind_heat), ONCE(failing_mallocs_of_a_split),
+             EACH(penalty, 0, 8), EACH(large_friction, 0, 2));
 }
