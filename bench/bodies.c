@@ -315,7 +315,7 @@ static int read_options(int argc, char **argv, plan *p, const char **out) {
 static void run_sizes(plan *p, rigid *a) {
   bench_print(p->page,
               "\n## Storages, one thread\n\nMegabytes of W; CPU microseconds of a plain sweep for "
-              "a candidate; CPU seconds (sweeps) to 1e-4.\n\n| candidates | MB: blocks | bodies | "
+              "a contact; CPU seconds (sweeps) to 1e-4.\n\n| contacts | MB: blocks | bodies | "
               "sweep: blocks | bodies | plain: blocks | bodies | momentum: blocks | bodies | auto: "
               "blocks | bodies | sweep, bodies / blocks | momentum / plain, blocks | momentum on "
               "bodies / plain on blocks |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---"
@@ -328,7 +328,7 @@ static void run_sizes(plan *p, rigid *a) {
               "\n## Two threads over one\n\nTwo threads had %.2f of two cores; below %.1f no wall "
               "time is worth printing: busy. CPU: of both threads over that of one, a sweep. "
               "Sweep: wall milliseconds of a plain sweep; solve: wall seconds (sweeps) to 1e-4, "
-              "with momentum but for W dense.\n\n| W | candidates | CPU 2 / 1 | sweep: 1 | 2 | "
+              "with momentum, for W dense without.\n\n| W | contacts | CPU 2 / 1 | sweep: 1 | 2 | "
               "speed-up | solve: 1 | 2 | speed-up |\n|---|---|---|---|---|---|---|---|---|\n",
               p->core, quiet);
   for (int k = 0; k < p->size_count; k++) {

@@ -87,7 +87,7 @@ HEAD
   printf '\n## Table 3: extrusion\n\n' && table extrusion 2 8.5 6.5 1.75 - - -
   cat <<TEXT
 
-With ten or twenty candidates the method's own share is small. Each condensation is a factorisation and a solve for each
+With ten or twenty contacts the method's own share is small. Each condensation is a factorisation and a solve for each
 column of W. Springs need no W, and neither does auto, which is Newton's method on K here: its iterations are LUs of K.
 
 Section 6: penalty factors, augmentations, over-relaxation. A run ends after ten times the CPU of Lemke.
