@@ -159,7 +159,7 @@ FILE *bench_page(const char *directory, const char *name, const char *title, int
   fputs("`: ", page);
   print_date(page);
   print_processor(page);
-  fputs(", one BLAS thread, compiler " __VERSION__ ". Compare ratios, not seconds.\n\n", page);
+  fputs(", one BLAS thread, compiler " __VERSION__ ".\n\n", page);
   return page;
 }
 

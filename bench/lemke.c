@@ -390,7 +390,7 @@ static int run_large(int nc, const output *to) {
             p.n, nc, a.count[DLS_FREE], a.count[DLS_SLIP], a.count[DLS_STICK], make, a.o.cpu,
             a.o.pivots, a.lcp.residual, a.contact.residual, dls_lcp_certificate_holds(&a.lcp, tol),
             gigabytes);
-    bench_print(to->page, "| n | %d |\n|---|---|\n| candidates | %d |\n", p.n, nc);
+    bench_print(to->page, "| n | %d |\n|---|---|\n| contacts | %d |\n", p.n, nc);
     for (int k = DLS_FREE; k <= DLS_STICK; k++)
       bench_print(to->page, "| %s | %d |\n", states[k], a.count[k]);
     bench_print(to->page,

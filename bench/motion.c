@@ -197,7 +197,7 @@ int main(int argc, char **argv) {
     if (!page) return 1;
   }
   bench_print(page, "%s",
-              "Elastic boxes, one face held, all nodes of another candidates. Microseconds of "
+              "Elastic boxes, one face held, all nodes of another one contacts. Microseconds of "
               "CPU: dls_reduction_load, dls_reduction_recover,\none solve by CHOLMOD with its "
               "simplicial or supernodal factor, the faster one. Ratio: load + recover over that. x "
               "differs\nfrom the peer's by this of its largest entry. Seconds: "

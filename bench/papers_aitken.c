@@ -155,16 +155,22 @@ int papers_aitken(FILE *page, const char *out) {
     saved = fmin(saved, best[c][0].cpu / plain[c][0].cpu);
     spent = fmax(spent, best[c][0].cpu / plain[c][0].cpu);
   }
-  bench_print(
-      page,
-      "## Aitken's acceleration or over-relaxation?\n\n"
-      "On the displacements, as in the paper, Aitken's: to 1e-8 the best omega takes %.1f to %.1f "
-      "times its CPU, and %d of the %d\nomegas tried were faster. On the reactions neither is "
-      "needed: plain sweeps are few, and the best omega, %.2f to %.2f, takes\n%.2f to %.2f of "
-      "their CPU. CPU milliseconds without the condensation K -> W; limit: %d sweeps.\n\n"
-      "| block | sweeps on | plain: sweeps | ms | Aitken: sweeps | ms | best omega | sweeps | ms | "
-      "omegas faster than Aitken, of %d |\n|---|---|---|---|---|---|---|---|---|---|\n",
-      least, most, faster, case_count * omegas, low, high, saved, spent, most_sweeps, omegas);
+  bench_print(page,
+              "## Aitken's acceleration or over-relaxation?\n"
+              "\n"
+              "On the displacements take Aitken's, as the paper does. To 1e-8 the best omega "
+              "takes %.1f to %.1f times its CPU, and %d\n"
+              "of the %d omegas tried were faster. On the reactions you need neither: plain "
+              "sweeps are few, and the best omega, %.2f\n"
+              "to %.2f, takes %.2f to %.2f of their CPU.\n"
+              "\n"
+              "CPU milliseconds are without the condensation K -> W; the limit is %d sweeps.\n"
+              "\n"
+              "| block | sweeps on | plain: sweeps | ms | Aitken: sweeps | ms | best omega | "
+              "sweeps | ms | omegas faster than Aitken, of %d |\n"
+              "|---|---|---|---|---|---|---|---|---|---|\n",
+              least, most, faster, case_count * omegas, low, high, saved, spent, most_sweeps,
+              omegas);
   for (int c = 0; c < case_count; c++)
     for (int on_K = 1; on_K >= 0; on_K--) {
       bench_print(page, "| %s | %s |", cases[c].name, on_K ? "K" : "W");

@@ -156,29 +156,38 @@ int papers_flow(FILE *page, const char *out) {
       flow_scenes(table, out, end))
     return 1;
   const flow_scene *dent = end[0][runs - 1], *first = end[1][0], *last = end[1][runs - 1];
-  bench_print(
-      page,
-      "## What does the return (12) cost beside the flow rule (6)?\n\n"
-      "%.1f %% of the stress at a point, %.0e of the force of the indentation, and %.2f %% of the "
-      "force of the extrusion with 100\nsteps, %.2f %% with 1600; a return of (6) takes %.0f to "
-      "%.0f "
-      "times the CPU of (12), a fraction of a microsecond more. (12) puts\nthe mean of be in the "
-      "place of be in the plastic term of (6), an error of the size of the elastic strain, which "
-      "more steps\ndo not remove. It turns the stress, whose size the yield stress holds; the "
-      "plastic strain hardly changes (%.0e). In the\nextrusion (6) with 100 steps is within %.2f "
-      "%% of its own force with 1600, (12) within %.2f %%. That (13) keeps the trace\ncosts no "
-      "force and the whole energy balance. `bench/papers_material.c` integrates (6) by an "
-      "exponential, with Newton's\nmethod for principal values and multiplier.\n\n"
-      "Errors of stress and plastic strain at the end of a path beside (6) in 65536 steps, and CPU "
-      "microseconds of a point\nwithout its tangent. Paths: shear to 2; shear to 1, then stretch "
-      "by "
-      "1.5 in the plane.\n\n"
-      "| material | path | steps | (12): stress | plastic strain | us | (6): stress | plastic "
-      "strain | us |\n|---|---|---|---|---|---|---|---|---|\n",
-      100 * stress, fabs(dent[0].force / dent[2].force - 1),
-      100 * (first[0].force / first[2].force - 1), 100 * (last[0].force / last[2].force - 1),
-      ratio[0], ratio[1], strain, 100 * fabs(first[2].force / last[2].force - 1),
-      100 * fabs(first[0].force / last[0].force - 1));
+  bench_print(page,
+              "## What does the return (12) cost beside the flow rule (6)?\n"
+              "\n"
+              "%.1f %% of the stress at a point, %.0e of the force of the indentation, and "
+              "%.2f %% of the force of the extrusion with\n"
+              "100 steps, %.2f %% with 1600. A return of (6) takes %.0f to %.0f times the CPU "
+              "of (12), a fraction of a microsecond\n"
+              "more.\n"
+              "\n"
+              "(12) replaces be by its mean in the plastic term of (6). This error has the "
+              "size of the elastic strain, and more steps\n"
+              "do not remove it. It turns the stress, whose size the yield stress holds. The "
+              "plastic strain hardly changes (%.0e).\n"
+              "With 100 steps of the extrusion (6) is within %.2f %% of its own force with "
+              "1600, (12) within %.2f %%. Keeping the\n"
+              "trace as in (13) costs no force, but the whole energy balance. "
+              "`bench/papers_material.c` integrates (6) by an\n"
+              "exponential.\n"
+              "\n"
+              "The table has errors of stress and plastic strain at the end of a path, beside "
+              "(6) in 65536 steps, and CPU\n"
+              "microseconds of a point without its tangent. Paths: shear to 2; shear to 1, "
+              "then stretch by 1.5 in the plane.\n"
+              "\n"
+              "| material | path | steps | (12): stress | plastic strain | us | (6): stress | "
+              "plastic strain | us |\n"
+              "|---|---|---|---|---|---|---|---|---|\n",
+              100 * stress, fabs(dent[0].force / dent[2].force - 1),
+              100 * (first[0].force / first[2].force - 1),
+              100 * (last[0].force / last[2].force - 1), ratio[0], ratio[1], strain,
+              100 * fabs(first[2].force / last[2].force - 1),
+              100 * fabs(first[0].force / last[0].force - 1));
   table_copy(points, page);
   bench_print(
       page,

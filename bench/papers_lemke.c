@@ -147,19 +147,25 @@ int papers_lemke(FILE *page, const char *out) {
   const lemke_row *large = &row[1][sizes[1] - 1];
   bench_print(
       page,
-      "## How does Lemke's method grow?\n\n"
-      "The pivots grow like n (exponents %.2f and %.2f), the CPU of the path like n^%.1f to "
-      "n^%.1f: %.2g s for %g contacts, where auto\ntakes %.2g s. Each pivot changes a table of n x "
-      "(n + 1), which makes n^3 of it; it did not fail up to\n%g rows, the largest here. The "
-      "crash\nstart, which "
-      "pivots many pairs at once, needs %g to %g rounds, and is up to %.0f times faster; auto "
-      "takes %.1f times its CPU on the "
-      "largest\nblock, %.1f times on the largest lining.\n\n"
-      "LCPs of 3 rows a contact in units in which the largest entries of W and q are 1; exponents "
-      "of the last four sizes. auto:\nthe same contact problem to 1e-8. Seconds without the "
-      "condensation K -> W.\n\n"
-      "| problem | contacts | rows | path: pivots | s | residual | crash start: rounds | s | "
-      "residual | auto: s |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      "## How does Lemke's method grow?\n"
+      "\n"
+      "The pivots grow like n (exponents %.2f and %.2f), the CPU of the path like "
+      "n^%.1f to n^%.1f, because each pivot\n"
+      "changes a table of n x (n + 1). %.2g s for %g contacts, where auto takes %.2g "
+      "s. The path did not fail up to %g rows,\n"
+      "the largest here. The crash start pivots many pairs at once. It needs %g to %g "
+      "rounds and is up to %.0f times faster.\n"
+      "auto takes %.1f times the CPU of the crash start on the largest block, %.1f "
+      "times on the largest lining.\n"
+      "\n"
+      "The LCPs have 3 rows a contact, in units in which the largest entries of W and "
+      "q are 1. Exponents: of the last four\n"
+      "sizes. auto: the contact problem to 1e-8. Seconds are without the condensation "
+      "K -> W.\n"
+      "\n"
+      "| problem | contacts | rows | path: pivots | s | residual | crash start: rounds "
+      "| s | residual | auto: s |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n",
       of_pivots[0], of_pivots[1], fmin(of_path[0], of_path[1]), fmax(of_path[0], of_path[1]),
       large->cpu[0], large->n / 3, large->by_auto, fmax(large->n, row[0][sizes[0] - 1].n),
       row[0][0].pivots[1], row[0][sizes[0] - 1].pivots[1], large->cpu[0] / large->cpu[1],

@@ -125,24 +125,30 @@ int papers_penalty(FILE *page, const char *out) {
       bench_print(table, "| indentation | 1e%d | %.1e | %.1e | %d | %.2g |\n", v,
                   fabs(f / exact - 1), d, newton, cpu);
   }
-  bench_print(
-      page,
-      "## What does the penalty method cost in accuracy?\n\n"
-      "Error and penetration are inversely proportional to the parameter, and a larger one costs "
-      "no iterations on W and up to 5 %%\nmore in K up to 1e10: take 1e6 to 1e10. s: penalty over "
-      "the stiffness of "
-      "the contact node. At s = 1000, the default\nof the forming scenes, which lets the error be "
-      "seen, the reactions of the blocks are off by\n%.1e and %.1e, the "
-      "force of the indentation by %.0e; nodes are inside by %.0e and %.0e of the gap that the "
-      "loads would\nopen or close without contact, and %.0e of the travel. Newton's method on the "
-      "contact problem does not suffer, because each\nbranch of the springs is solved exactly; in "
-      "the forming scene the last values take more Newton steps and lose digits.\n\n"
-      "One augmentation from lambda = 0, eps = s / w_c (augmented.h); the indentation in %d steps, "
-      "springs in K. Error: of the\nreactions, Euclidean, beside auto at 1e-13; of the force of "
-      "the indentation beside Lemke's method.\n\n"
-      "| problem | s | error | penetration | Newton steps | s of CPU "
-      "|\n|---|---|---|---|---|---|\n",
-      force[0], force[1], force[blocks], depth[0], depth[1], depth[blocks], steps);
+  bench_print(page,
+              "## What does the penalty method cost in accuracy?\n"
+              "\n"
+              "Error and penetration are inversely proportional to the parameter s, the "
+              "penalty over the stiffness of the contact\n"
+              "node. Up to 1e10 a larger s costs no iterations on W and up to 5 %% more in K: "
+              "take 1e6 to 1e10.\n"
+              "\n"
+              "The forming scenes take s = 1000, which lets the error be seen. There the "
+              "reactions of the blocks are off by %.1e and\n"
+              "%.1e, and the force of the indentation by %.0e. Nodes penetrate by %.0e and "
+              "%.0e of the gap that the loads would open\n"
+              "or close without contact, and by %.0e of the travel. On the contact problem "
+              "Newton's method solves each branch of the\n"
+              "springs exactly, so a large s does no harm. In the forming scene the largest s "
+              "take more Newton steps and lose digits.\n"
+              "\n"
+              "Blocks: one augmentation from lambda = 0, eps = s / w_c (augmented.h); error of "
+              "the reactions beside auto at 1e-13.\n"
+              "Indentation: %d steps, springs in K; error of the force beside Lemke's method.\n"
+              "\n"
+              "| problem | s | error | penetration | Newton steps | s of CPU |\n"
+              "|---|---|---|---|---|---|\n",
+              force[0], force[1], force[blocks], depth[0], depth[1], depth[blocks], steps);
   table_copy(table, page);
   bench_print(page,
               "\n![Error, penetration and Newton steps against the penalty](papers_penalty.png)"

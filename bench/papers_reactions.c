@@ -58,15 +58,19 @@ int papers_reactions(FILE *page, const char *out) {
     converged = fmax(converged, row[k].paper);
     apart = fmax(apart, row[k].lemke);
   }
-  bench_print(
-      page,
-      "## How far are the reactions of each method from the paper's, node by node?\n\n"
-      "At most %.1e of the largest reaction, and %.0e from each other: what is left to the "
-      "paper is its own stop at 1e-4,\nbecause its sweeps, stopped as it did, reproduce its "
-      "tables to %.0e. The four tables of [Jean 1988], Figs. 3 and 4; the\nlargest "
-      "difference over their nodes, over the largest reaction of the table.\n\n"
-      "| method | from the paper | from Lemke's method |\n|---|---|---|\n",
-      converged, apart, as_printed);
+  bench_print(page,
+              "## How far are the reactions of each method from the paper's, node by node?\n"
+              "\n"
+              "At most %.1e of the largest reaction, and the methods differ from each other by "
+              "at most %.0e. The paper stopped at\n"
+              "1e-4: its own sweeps with its own stop reproduce its tables to %.0e.\n"
+              "\n"
+              "The table has the largest difference over the nodes of Figs. 3 and 4 of [Jean "
+              "1988], divided by the largest reaction.\n"
+              "\n"
+              "| method | from the paper | from Lemke's method |\n"
+              "|---|---|---|\n",
+              converged, apart, as_printed);
   for (int k = 0; k < count; k++)
     bench_print(page, "| %s | %.1e | %.0e |\n", row[k].method, row[k].paper, row[k].lemke);
   bench_print(page,

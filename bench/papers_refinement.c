@@ -143,22 +143,29 @@ int papers_refinement(FILE *page, const char *out) {
         least = fmin(least, error[m][a][0][k] / error[m][a][2][k]);
         most = fmax(most, error[m][a][0][k] / error[m][a][2][k]);
       }
-  bench_print(
-      page,
-      "## Weighted or concentrated reactions?\n\n"
-      "Both converge with the same order, so take the concentrated ones, which need fewer sweeps: "
-      "from 16x8 on the error of the\nweighted densities is %.2f to %.2f times that of the "
-      "concentrated forces over their cells. Where a part of the line slips from\nend to end, the "
-      "order is %.1f and %.1f (friction 0.2, smooth). Where a zone ends between two nodes, it is "
-      "%.1f to %.1f. Nodal forces P r of the\nweighted reactions are as good as concentrated "
-      "ones.\n\n"
-      "Normal density of reaction of jean-fig3 at the nodes, L2 norm of the error over that of the "
-      "reference, %dx%d, the mean of both\nkinds there. The kinds differ there by %.0e and %.0e "
-      "(friction 1), %.0e and %.0e (0.2). Whole: 0 to 3 mm; smooth: 2 to 3 mm, away\nfrom where "
-      "contact begins and from the fixed corner. Order: of the last four meshes.\n\n"
-      "| friction | part of the line | reactions |",
-      least, most, order[1][1][0], order[1][1][2], order[1][0][2], order[0][0][0], finest,
-      finest / 2, apart[0][0], apart[0][1], apart[1][0], apart[1][1]);
+  bench_print(page,
+              "## Weighted or concentrated reactions?\n"
+              "\n"
+              "Both converge with the same order. Take the concentrated ones, which need fewer "
+              "sweeps. From 16x8 on the error of the\n"
+              "weighted densities is %.2f to %.2f times that of the concentrated forces, "
+              "divided by their cells. The order is %.1f\n"
+              "and %.1f if a part of the line slips from end to end (friction 0.2, smooth), "
+              "and %.1f to %.1f if a zone ends between\n"
+              "two nodes. Nodal forces P r of the weighted reactions are as good as "
+              "concentrated ones.\n"
+              "\n"
+              "The table has the error of the normal density of jean-fig3 at the nodes (L2 "
+              "norm, relative). The reference is the mean\n"
+              "of both kinds on %dx%d, which differ there by %.0e and %.0e (friction 1), %.0e "
+              "and %.0e (0.2). Whole: the line from 0\n"
+              "to 3 mm; smooth: from 2 to 3 mm, away from where contact begins and from the "
+              "fixed corner. Order: of the last four\n"
+              "meshes.\n"
+              "\n"
+              "| friction | part of the line | reactions |",
+              least, most, order[1][1][0], order[1][1][2], order[1][0][2], order[0][0][0], finest,
+              finest / 2, apart[0][0], apart[0][1], apart[1][0], apart[1][1]);
   for (int k = 0; k < meshes; k++)
     bench_print(page, " %dx%d |", coarsest << k, coarsest << k >> 1);
   bench_print(page, " order |\n|---|---|---|---|---|---|---|---|---|\n");

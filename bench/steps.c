@@ -103,7 +103,7 @@ static void print_boxes(FILE *page) {
   static dls_contact p[boxes];
   bench_print(
       page,
-      "## %d boxes with four candidates, d = 3, W dense, 1e-8\n\n"
+      "## %d boxes with four contacts, d = 3, W dense, 1e-8\n\n"
       "| boxes | loop of dls_solve, us each | dls_solve_batch | loop over batch | solved |\n"
       "|---|---|---|---|---|\n",
       boxes);
@@ -303,7 +303,7 @@ static double part_time(const path *a, int warm, int *touching) {
 static void print_parts(FILE *page) {
   static const struct { int d, side; } scene[] = {{2, 150}, {2, 400}, {3, 10}, {3, 20}};
   bench_print(page, "\n## A crowned punch, W dense, 1e-8: what cannot touch is left out\n\n"
-                    "| d | candidates | q_n <= 0 | touch | all, ms | without the others | ratio |\n"
+                    "| d | contacts | q_n <= 0 | touch | all, ms | without the others | ratio |\n"
                     "|---|---|---|---|---|---|---|\n");
   for (size_t k = 0; k < sizeof scene / sizeof scene[0]; k++)
     for (int crown = 4; crown <= 8; crown += 4) {

@@ -77,7 +77,7 @@ study() {
   cat <<HEAD
 # The tables of Chabrand, Dubois and Raous (1998)
 
-Written by \`make bench-tables\`: $(date -u '+%d %B %Y'), commit $(git describe --always --dirty=' and changes' 2>/dev/null), $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), one BLAS thread. Compare ratios, not seconds.
+Written by \`make bench-tables\`: $(date -u '+%d %B %Y'), commit $(git describe --always --dirty=' and changes' 2>/dev/null), $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), one BLAS thread.
 
 Paper: minutes, and their ratio to Lemke. Here: seconds of CPU without files, their ratio to Lemke, and two parts;
 the rest is assembly.
@@ -87,7 +87,7 @@ HEAD
   printf '\n## Table 3: extrusion\n\n' && table extrusion 2 8.5 6.5 1.75 - - -
   cat <<TEXT
 
-With ten or twenty candidates the method's own share is small. Each condensation is a factorisation and a solve for each
+With ten or twenty contacts the method's own share is small. Each condensation is a factorisation and a solve for each
 column of W. Springs need no W, and neither does auto, which is Newton's method on K here: its iterations are LUs of K.
 
 Section 6: penalty factors, augmentations, over-relaxation. A run ends after ten times the CPU of Lemke.

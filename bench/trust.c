@@ -229,9 +229,9 @@ int main(int argc, char **argv) {
               "\nThe relative error of r that `dls_contact_sensitivity` predicts from r alone, and "
               "the true one, |r - r*| / |r*|;\nof the answers of sweeps and of ADMM at 1e-4 to "
               "1e-8 the one with the least predicted / true. %d scenes; %d more\nhave no r* to "
-              "compare with: rank below rows, a candidate on the border of two states, r = 0, or "
+              "compare with: rank below rows, a contact on the border of two states, r = 0, or "
               "no\nanswer with an error above rounding.\n\npredicted / true: below 0.8 in %d, 0.8 "
-              "to 10 in %d, median %.2f. The last column counts candidates whose state is "
+              "to 10 in %d, median %.2f. The last column counts contacts whose state is "
               "another\none than in "
               "r*, a problem with several solutions for instance: there nothing is predicted. The "
               "page has the scenes below 0.8\nand above 3, the screen all.\n",

@@ -23,7 +23,7 @@ for library in glob.glob(sys.argv[2] + "/libdelassus*.so") if len(sys.argv) > 2 
 # what users ask for that is no name of the library, and the page that answers
 WORDS = {"lemke": "lcp_8h", "tolerance": "md_docs_choosing", "jam": "md_docs_choosing", "jammed": "md_docs_choosing",
          "Matrix Market": "md_docs_files", "calculix": "md_docs_files", "restitution": "md_docs_motion",
-         "arch": "md_docs_statics", "certificate": "md_docs_certificate", "threads": "md_docs_threads",
+         "arch": "md_docs_limit", "certificate": "md_docs_certificate", "threads": "md_docs_threads",
          "mortar": "md_docs_contacts", "mujoco": "md_docs_stick", "weighted reactions": "md_docs_jean"}
 sections = json.loads(open(html + "/words.js").read().partition(" = ")[2].rstrip().rstrip(";"))
 index = {heading[:-2]: place for place, _, heading, _ in sections if heading.endswith("()")}
