@@ -142,7 +142,7 @@ static dls_status run_to_the_end(dls_forming *f, const char *folder, dls_forming
   return status;
 }
 
-/* Runs the extrusion. nx, ny: 0 for its own mesh. d: the numbers at the end, whose arrays are gone. */
+/* Runs the extrusion. nx, ny: 0 for its own mesh. d: the numbers at the end, without arrays. */
 static dls_status run_extrusion(int method, double mu, int nx, int ny, dls_forming_data *d) {
   char folder[] = "/tmp/test_body.XXXXXX";
   ck_assert_ptr_nonnull(mkdtemp(folder));
