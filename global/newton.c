@@ -30,8 +30,8 @@
  *          small one a contact that slips the wrong way sticks first. 30 steps.
  *
  *   (GN5)  The error of an answer is the length of the next step. The step is taken if the
- *          certificate gets no worse; its own error is that of one more. Where W of the contacts that
- *          carry is singular, delta alone holds their reactions: they are not determined.
+ *          certificate gets no worse; its own error is that of one more. Where W of the contacts
+ *          that carry is singular, delta alone holds their reactions: they are not determined.
  *
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */

@@ -428,6 +428,19 @@ START_TEST(coordinates) {
     (void)snprintf(line, sizeof line, "sums%d/surface.dat", k);
     ck_assert_ptr_nonnull(strstr(get(line), " 2\n"));
   }
+  /* node 1 on node 2, entries of H_N alike: the contact is at the first; K^-1 = (3 2; 2 4) / 4,
+   * W = 3/4, q = -1/4 */
+  put("N2.txt", "0\n1\n0\n-1\n0\n0\n");
+  put("T2.txt", "1\n0\n-1\n0\n0\n0\n");
+  put("f2.txt", "0\n-1\n0\n0\n0\n0\n");
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N2.txt --HT @/T2.txt --nodes @/X.csv "
+                       "--f @/f2.txt --mu 0.5 --csv @/pair"),
+                   0);
+  double r_n;
+  const char *row = strstr(get("pair/r.csv"), "\n0,1,stick,");
+  ck_assert_ptr_nonnull(row);
+  ck_assert_int_eq(sscanf(row, "\n0,1,stick,%*[^,],%lf", &r_n), 1);
+  ck_assert_double_eq_tol(r_n, 1. / 3, 1e-9);
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --f @/f.txt --mu 0.5"),
                    0);
   ck_assert_ptr_nonnull(strstr(output, "sum of the r_n: 1\n")); /* may be rigid bodies */

@@ -142,11 +142,11 @@ static dls_status run_to_the_end(dls_forming *f, const char *folder, dls_forming
   return status;
 }
 
-/* Runs the extrusion on its own mesh. d: the numbers at the end, whose arrays are gone. */
-static dls_status run_extrusion(int method, double mu, dls_forming_data *d) {
+/* Runs the extrusion. nx, ny: 0 for its own mesh. d: the numbers at the end, without arrays. */
+static dls_status run_extrusion(int method, double mu, int nx, int ny, dls_forming_data *d) {
   char folder[] = "/tmp/test_body.XXXXXX";
   ck_assert_ptr_nonnull(mkdtemp(folder));
-  dls_forming *f = create("extrusion", method, mu, 0, 0);
+  dls_forming *f = create("extrusion", method, mu, nx, ny);
   const dls_status status = run_to_the_end(f, folder, d);
   if (d->travel > 100) ck_assert_int_gt(d->count.held, 5); /* lateral nodes lie on the ram */
   dls_forming_destroy(f);
@@ -160,7 +160,7 @@ START_TEST(extrusion_is_a_body) {
   const double mu = frictions[_i / method_count];
   if ((method == method_count - 1 && mu > 0.2) || (mu == 0.3 && method < 2)) return;
   dls_forming_data d;
-  const dls_status status = run_extrusion(method, mu, &d);
+  const dls_status status = run_extrusion(method, mu, 0, 0, &d);
   if (mu <= 0.2) ck_assert_int_eq(status, DLS_OK);
 }
 END_TEST
@@ -183,7 +183,7 @@ START_TEST(methods_agree_beyond_the_paper) {
   double force[method_count];
   for (int k = 0; k < method_count; k++) {
     dls_forming_data d;
-    ck_assert_int_eq(run_extrusion(k, 0.2, &d), DLS_OK);
+    ck_assert_int_eq(run_extrusion(k, 0.2, 3, 15, &d), DLS_OK);
     ck_assert_int_eq(d.count.halvings, 0);
     force[k] = d.force;
     ck_assert_double_eq_tol(force[k], force[0], (k == 5 ? 1e-3 : k == 6 ? 1e-8 : 1e-9) * force[0]);
@@ -229,7 +229,7 @@ START_TEST(auto_goes_as_far) {
   double travel[2];
   for (int k = 0; k < 2; k++) {
     dls_forming_data d;
-    const dls_status status = run_extrusion(k, mu[_i], &d);
+    const dls_status status = run_extrusion(k, mu[_i], 0, 0, &d);
     travel[k] = d.travel;
     if (k && status == DLS_STALLED) continue;
     ck_assert_int_eq(status, DLS_FOLDED);
