@@ -49,7 +49,8 @@ enum {
   dlsi_auto_first_sweeps    = 10,  /* sweeps before a forecast is believed, ... */
   dlsi_auto_first_of_few    = 60,  /* ... of few contacts by blocks: a sweep costs nothing there */
   dlsi_auto_ahead           = 100, /* sweeps ahead: the convex problem or momentum takes fewer */
-  dlsi_auto_sweeps_before   = 200, /* sweeps before the convex problem of what is not at rest */
+  dlsi_auto_sweeps_before   = 200, /* sweeps before the convex problem of what is not at rest; four
+                                    times as many although the answer seems near */
   dlsi_auto_first_patience  = 4,   /* steps of Newton without progress, at least ... */
   dlsi_auto_last_patience   = 12   /* ... and at most: that of vi/newton/newton.c */
 };

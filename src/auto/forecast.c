@@ -16,14 +16,15 @@
  *          half of (FC1) and of splitting, up to 12; doubled by each failure
  *
  *   (FC4)  momentum gives way to the augmented Lagrangian once the sweeps of the solve cost a turn,
- *          if (FC1) exceeds four turns. A turn is PR5 of price.c at first. The augmented Lagrangian
- *          ends after a turn of its own, which doubles the next. Both go on from where they were
- *          (NL14, AU6), so that neither takes much more than three times its cost alone
+ *          if (FC1) or these sweeps exceed four turns. A turn is PR5 of price.c at first. The
+ *          augmented Lagrangian ends after a turn of its own, which doubles the next. Both go on
+ *          from where they were (NL14, AU6), so that neither takes much more than three times its
+ *          cost alone
  *   (FC5)  sweeps give way to the convex problem if (FC1) exceeds 100: at once where bodies look at
- *          rest, elsewhere after 200 sweeps, if (FC1) exceeds twice the sweeps so far. There a
+ *          rest; elsewhere after 200 sweeps, or four factorisations as numbered if these cost less,
+ *          if (FC1) exceeds twice the sweeps so far, and after 800 in any case. There a
  *          factorisation may cost as many sweeps as were made, at rest 1000; else the step waits
- *          for so many. The
- *          fill of bodies is foreseen before W is formed (vi/split/fill.c)
+ *          for so many. The fill of bodies is foreseen before W is formed (vi/split/fill.c)
  *
  * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
  * same steps and gives the same bits.
@@ -64,7 +65,7 @@ static int end_as_costlier(dlsi_auto *work, double ahead, double next) {
 /* Returns 1 after so many sweeps, with `ahead` more, if the convex problem is next: (FC5). */
 static int is_convex_due(dlsi_auto *work, double sweeps, double ahead) {
   if (sweeps < work->convex_from || ahead <= dlsi_auto_ahead) return 0;
-  if (!work->info.at_rest && ahead <= 2 * sweeps) return 0;
+  if (!work->info.at_rest && ahead <= 2 * sweeps && sweeps < 4 * dlsi_auto_sweeps_before) return 0;
   if (!work->history.taken[REST]) {
     const dls_contact *problem = work->problem;
     const int told = work->options.limits.blocks, d = problem->d;
@@ -138,7 +139,7 @@ static int watch_push(void *data, const dls_progress *p) {
   if (is_convex_due(work, so_far, ahead)) return end_as_costlier(work, ahead, dlsi_auto_ahead);
   if (dlsi_auto_is_packing(work) && !dlsi_auto_has_augmented(work)) { /* (FC4) */
     const double turn = fmax(work->turn, dlsi_auto_cost_of_augmented(work));
-    if (so_far >= turn && ahead > 4 * turn) {
+    if (so_far >= turn && (ahead > 4 * turn || so_far >= 4 * turn)) {
       work->turn = turn;
       return end_as_costlier(work, ahead, turn);
     }

@@ -33,9 +33,9 @@
 #include "nlgs_work.h"
 
 enum { most_window = 100 };
-enum { least_grouped = 500 };  /* contacts: groups pay from there on */
-enum { least_slabbed = 4000 }; /* the same of slabs: with fewer their groups are less full */
-enum { large_panel = 2000 };   /* rows: W is 32 MB then, and a panel takes longer than a barrier */
+/* contacts: groups pay from there on, slabs: with fewer their groups are less full */
+enum { least_grouped = 500, least_slabbed = 4000 };
+enum { large_panel = 2000 }; /* rows: W is 32 MB then, and a panel takes longer than a barrier */
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   if (!settings) return;
@@ -147,8 +147,7 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
 }
 
 /* Prepares the workspace for the storage. Bodies stay factored (NL11), except for (NL6), which
- * combines u. Slabs follow from the problem, not from the threads, and so do the bits.
- * DLS_E_MEMORY, DLS_E_SIZE. */
+ * combines u. Slabs follow from the problem, not from the threads. DLS_E_MEMORY, DLS_E_SIZE. */
 static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, const int *order,
                                dls_error *error) {
   work->motions = 0;
@@ -165,17 +164,17 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   if (status || order || (*problem)->W.a || (*problem)->nc < least_grouped ||
       work->settings.relaxation != 1)
     return status;
-  const int known = work->knows && work->motions;
-  const int slabbed = (*problem)->nc >= least_slabbed && !known;
+  const int known = work->knows && work->motions,
+            slabbed = (*problem)->nc >= least_slabbed && !known;
   if (slabbed != (work->slabs.set.slabs > 0)) work->groups.kept_size = 0;
   if (!slabbed) /* as numbered */
     work->slabs.set = (dlsi_set){.list = work->visited == (*problem)->nc ? work->visits : NULL,
                                  .count = (*problem)->nc};
   else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
-  work->grouped = !status && known;
-  if (!work->grouped) { /* (NL13) makes them where it ends */
-    if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
+  work->grouped = known; /* (NL13) makes groups where it ends */
+  if (!status && !known) {
+    status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
     work->grouped = work->whole = !status && work->groups.count > 0;
   }
   if (work->grouped && !work->motions) work->history.of_u = 0;

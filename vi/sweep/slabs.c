@@ -10,11 +10,9 @@
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
  *
  * Four slabs keep two threads at work, and take as many sweeps as the order of the numbers. Their
- * groups are less full, so slabs begin at 4,000 contacts (docs/decisions.md).
- *
- * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
- * Within a slab contacts ascend, as in memory. Parts that are not coupled follow each other in one
- * row of levels.
+ * groups are less full, so slabs begin at 4,000 contacts (docs/decisions.md). They follow from the
+ * problem alone, and so do the bits of a sweep. Within a slab contacts ascend, as in memory. Parts
+ * that are not coupled follow each other in one row of levels.
  *
  * Cost: two walks over the graph, a few sweeps. What can fail: memory. If most contacts touch one
  * body, there are few levels, and little to do at the same time.
