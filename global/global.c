@@ -380,6 +380,8 @@ static void solve_begin(dls_global *work, const double *f, const double *g, cons
   }
   for (int k = 0; k < work->n; k++)
     work->x[k] = warm ? x[k] : 0;
+  work->from_r = warm && work->system && dlsi_max_abs(work->r, m) > 0 &&
+                 dlsi_max_abs(work->x, (size_t)work->n) == 0;
   memset(work->own, 0, (size_t)work->n * sizeof *work->own);
   memset(work->flight, 0, (size_t)work->n * sizeof *work->flight);
   work->is_split = 0;
@@ -399,7 +401,14 @@ static dls_status solve_and_land(dls_global *work, int most, dls_error *error) {
   dls_status status = DLS_OK;
   for (int turn = 0; turn < most_landings; turn++) {
     int proved = 0;
-    status = dlsi_global_land(work, dlsi_global_split(work, most, error), error);
+    dls_status found = DLS_STALLED;
+    if (work->from_r) {
+      memcpy(work->before, work->r, (size_t)work->m * sizeof *work->r);
+      found = dlsi_global_newton(work, work->before, 0, 0, error);
+      work->from_r = 0;
+    }
+    if (found == DLS_STALLED) found = dlsi_global_split(work, most, error);
+    status = dlsi_global_land(work, found, error);
     if (status != DLS_NOT_IN_EQUILIBRIUM || !work->is_split) break;
     const dls_status tried = turn == 0 ? dlsi_global_prove(work, &proved, error) : DLS_OK;
     if (tried || proved) return tried ? tried : DLS_NO_SOLUTION;

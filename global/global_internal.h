@@ -68,6 +68,7 @@ struct dls_global {
   double *own;             /* n: the body's own deformation, split off; 0 before */
   double *flight;          /* n: motions that K holds by its rounding alone, moved into gap */
   double *balanced, *blur; /* 2 parts, m: of body, once split */
+  int from_r;              /* 1: a warm start without x: the states of r, and an x from them */
   int unread;              /* info.error is left 0 */
   int is_split;            /* 1: f, load, gap, g are of the split problem, x and best_x its y */
   double *best_r, *best_x; /* as the caller has them: m, n */

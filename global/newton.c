@@ -47,6 +47,7 @@ static const double delta = 1e-9;
 static const double least_beta = 1e-10;  /* R / |tau|: keeps l finite if R vanishes */
 static const double fade = 0.5;          /* (GN4) */
 static const double least_hold = 1e-10;  /* (GN5) where the states leave a motion free */
+static const double at_bound = 1e-6;     /* of R: a reaction on its cone */
 static const double undetermined = 1e-3; /* of 1 / delta (GN5) */
 static const double stale = 0.1;         /* ratio of residuals above which factors are renewed */
 
@@ -213,13 +214,27 @@ static dls_status newton_step(newton *N, double *r, dls_error *error) {
   return DLS_OK;
 }
 
+/* Sets u so that (GN1) takes the states of r. */
+static void states_of_r(dls_global *work, const double *r) {
+  const int d = work->d;
+  for (int c = 0; c < work->nc; c++) {
+    const double *rc = r + d * c, R = dlsi_friction_bound(work->bend[c], rc[0]);
+    const int slips = dlsi_tangent_norm(d, rc) >= R * (1 - at_bound);
+    work->u[d * c] = rc[0] > 0 ? 0 : 1;
+    for (int i = 1; i < d; i++)
+      work->u[d * c + i] = slips ? -rc[i] : 0;
+  }
+}
+
 static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *error) {
   dls_global *work = N->global;
   double before = INFINITY, least = INFINITY;
   int slow = 0, fresh = 0;
   const int most = N->draw ? most_scattered : most_steps;
   for (int step = 0; step < most && (slow < patience || N->draw); step++) {
+    if (step == 0 && work->from_r) states_of_r(work, r);
     const int changed = newton_sort(N, r, step == 0), fades = N->draw && N->hold > 0;
+    if (step == 0 && work->from_r) dlsi_global_look(work, work->x, work->u);
     newton_base(N, r);
     if (fades) N->hold = N->hold > hold ? N->hold * fade : 0;
     if (step == 0 || changed || fades || (N->spatial && !fresh)) {

@@ -79,7 +79,8 @@ DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_
  *   g       gaps, d * nodes, as dls_reduction_load; NULL for 0          length (velocity)
  *   mu      friction of the contacts; INFINITY: bonded; NULL: model.mu, or 0 without it
  *   limits  NULL for the defaults; max_iterations: of the splitting, 0: 5000; blocks and threads
- *           are not read. warm_start: starts from r and x as passed in
+ *           are not read. warm_start: starts from r and x as passed in; if
+ *           x is 0, from the x that the states of r have
  *   r       reactions, m: in for a warm start, out                      force (impulse)
  *   x       unknowns, n: in for a warm start, out                       length (velocity)
  *   info    or NULL: iterations, factorisations, certificate of (x, r); method is DLS_ADMM

@@ -259,7 +259,9 @@ dls_status problem_solve(problem *p, const solve_options *options, solution *a, 
   o->solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
   if (status < 0) return status;
-  o->freedom = !dls_solved(status) ? NO_FREEDOM : p->on_K == 2 ? FREEDOM_TOO_LARGE : FREEDOM_ON_K;
+  o->freedom = !dls_solved(status) || o->info.error > 0 ? NO_FREEDOM
+               : p->on_K == 2                           ? FREEDOM_TOO_LARGE
+                                                        : FREEDOM_ON_K;
   o->proof = options->proof;
   o->verdict = (verdict){.rows = o->nc,
                          .stride = o->d,

@@ -270,6 +270,38 @@ START_TEST(walls_that_press) {
 }
 END_TEST
 
+/* A warm start from r alone takes its states, and x from them: no iteration of the splitting. */
+START_TEST(warm_from_r) {
+  solids S;
+  solids_stack(&S, 2, 1, 4, .5);
+  const dls_model *model = solids_model(&S);
+  double *x = calloc(2 * (size_t)model->n, sizeof *x), *again = x + model->n, mu[64], r[64];
+  dls_reduction_settings how;
+  dls_reduction_settings_init(&how);
+  how.on = DLS_ON_K;
+  for (int c = 0; c < model->nodes; c++)
+    mu[c] = .3;
+  for (int warm = 0; warm < 2; warm++) {
+    dls_reduction *reduction;
+    dls_solver_settings settings;
+    dls_info info;
+    dls_solver_settings_init(&settings);
+    settings.limits.warm_start = warm;
+    ck_assert(!dls_reduction_create(&reduction, model, &how, NULL));
+    ck_assert(!dls_reduction_load(reduction, S.f, NULL, NULL));
+    ck_assert_int_eq(
+        dls_reduction_solve(reduction, mu, &settings, r, NULL, warm ? again : x, &info, NULL),
+        DLS_OK);
+    ck_assert_int_eq(info.iterations == 0, warm);
+    dls_reduction_destroy(reduction);
+  }
+  for (int k = 0; k < model->n; k++)
+    ck_assert_double_eq_tol(again[k], x[k], 1e-7 * (1 + fabs(x[k])));
+  free(x);
+  solids_free(&S);
+}
+END_TEST
+
 /* The error of a loose answer on K, beside a sharp one. */
 START_TEST(error_on_K) {
   solids S;
@@ -503,6 +535,6 @@ END_TEST
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
              EACH(grasp, 0, 4), EACH(warm_block, 0, 30), EACH(walls_that_press, 0, 3),
-             ONCE(error_on_K), ONCE(wrong_behind_heat), ONCE(failing_mallocs_of_a_split),
-             EACH(penalty, 0, 8), EACH(large_friction, 0, 2));
+             ONCE(error_on_K), ONCE(warm_from_r), ONCE(wrong_behind_heat),
+             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8), EACH(large_friction, 0, 2));
 }
