@@ -325,11 +325,17 @@ static void run_sizes(plan *p, rigid *a) {
   double seconds[most_sizes][2][3];
   dlsi_team_run(2, measure_share, &p->core);
   bench_print(p->page,
-              "\n## Two threads over one\n\nTwo threads had %.2f of two cores; below %.1f no wall "
-              "time is worth printing: busy. CPU: of both threads over that of one, a sweep. "
-              "Sweep: wall milliseconds of a plain sweep; solve: wall seconds (sweeps) to 1e-4, "
-              "with momentum, for W dense without.\n\n| W | contacts | CPU 2 / 1 | sweep: 1 | 2 | "
-              "speed-up | solve: 1 | 2 | speed-up |\n|---|---|---|---|---|---|---|---|---|\n",
+              "\n"
+              "## Two threads over one\n"
+              "\n"
+              "Two threads had %.2f of two cores (below %.1f wall times are left out: busy). "
+              "CPU 2 / 1: CPU of a sweep on both threads over that on one. Sweep: wall "
+              "milliseconds of a plain sweep. Solve: wall seconds (sweeps) to 1e-4, with "
+              "momentum, for W dense without.\n"
+              "\n"
+              "| W | contacts | CPU 2 / 1 | sweep: 1 | 2 | speed-up | solve: 1 | 2 | "
+              "speed-up |\n"
+              "|---|---|---|---|---|---|---|---|---|\n",
               p->core, quiet);
   for (int k = 0; k < p->size_count; k++) {
     compare_threads(p, "blocks", &a[k].contact, seconds[k][0]);

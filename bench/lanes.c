@@ -100,9 +100,12 @@ int main(int argc, char **argv) {
   p.page = bench_page(out, "lanes", "Sweeps in lanes", argc, argv);
   if (!p.page) return 1;
   bench_print(p.page,
-              "CPU nanoseconds of a contact in a plain sweep, from r = 0; ratios of one by one "
-              "over groups; lanes that are full; setting up, in sweeps of 8 lanes.\n\n| kind | W | "
-              "contacts | one by one | over 2 lanes | over 4 | over 8 | full | set-up |\n"
+              "One by one: CPU nanoseconds of a contact in a plain sweep, from r = 0. Over "
+              "2, 4, 8 lanes: that time over the time in groups. Full: the part of the lanes "
+              "that are full. Set-up: in sweeps of 8 lanes.\n"
+              "\n"
+              "| kind | W | contacts | one by one | over 2 lanes | over 4 | over 8 | full | "
+              "set-up |\n"
               "|---|---|---|---|---|---|---|---|---|\n");
   for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++)
     for (int k = 0; k < p.size_count; k++) {

@@ -196,15 +196,15 @@ int main(int argc, char **argv) {
     page = bench_page(directory, "motion", "A step of a body that moves", argc, argv);
     if (!page) return 1;
   }
-  bench_print(page, "%s",
-              "Elastic boxes, one face held, all nodes of another one contacts. Microseconds of "
-              "CPU: dls_reduction_load, dls_reduction_recover,\none solve by CHOLMOD with its "
-              "simplicial or supernodal factor, the faster one. Ratio: load + recover over that. x "
-              "differs\nfrom the peer's by this of its largest entry. Seconds: "
-              "dls_reduction_create, W included, and the peer's factorisation, the faster "
-              "one.\n\n| elements | unknowns | of contact | load | recover | CHOLMOD | "
-              "ratio | x differs by | create s | peer's factor s |\n"
-              "|---|---|---|---|---|---|---|---|---|---|\n");
+  bench_print(
+      page, "%s",
+      "Elastic boxes, one face held, all nodes of another one contacts. Microseconds of CPU: "
+      "dls_reduction_load, dls_reduction_recover,\none solve by CHOLMOD with its simplicial or "
+      "supernodal factor, the faster one. Ratio: load + recover over that. x\ndiffers by: distance "
+      "from the peer's x over its largest entry. Seconds: dls_reduction_create with W, and the "
+      "peer's factorisation.\n\n| elements | unknowns | of contact | load | recover | CHOLMOD | "
+      "ratio | x differs by | create s | peer's factor s |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
   int failed = 0;
   for (size_t k = 0; !cells && k < sizeof boxes / sizeof boxes[0]; k++)
     failed |= print_box(page, boxes[k][0], boxes[k][1]);

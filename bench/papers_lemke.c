@@ -151,7 +151,7 @@ int papers_lemke(FILE *page, const char *out) {
       "\n"
       "The pivots grow like n (exponents %.2f and %.2f), the CPU of the path like "
       "n^%.1f to n^%.1f, because each pivot\n"
-      "changes a table of n x (n + 1). %.2g s for %g contacts, where auto takes %.2g "
+      "changes a table of n x (n + 1). It takes %.2g s for %g contacts, auto %.2g "
       "s. The path did not fail up to %g rows,\n"
       "the largest here. The crash start pivots many pairs at once. It needs %g to %g "
       "rounds and is up to %.0f times faster.\n"

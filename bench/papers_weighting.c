@@ -201,7 +201,7 @@ int papers_weighting(FILE *page, const char *out) {
       for (int w = 0; w < 2; w++) {
         const weighting_row *r = &row[k][n][w];
         if (!r->nc) continue;
-        FILE *const kept = n ? NULL : page;
+        FILE *const kept = n > (k < 2) ? NULL : page; /* the screen shows all */
         bench_print(kept, "| %s | %d | %s | %.3g | %.1e | %.2g | ", kind[k].name, r->nc,
                     w ? "weighted" : "concentrated", r->least, r->definite, r->unique);
         if (r->asked) bench_print(kept, "%d of %d", r->answers, r->asked);
