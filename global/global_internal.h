@@ -179,8 +179,8 @@ dls_status dlsi_global_interior(dls_global *work, double hold, double start, con
 
 /* ---- fixed.c --------------------------------------------------------------------------------- */
 
-/* Solves by convex problems, from zero; rests: 1 for one of them. Returns as dlsi_global_measure, or
- * an error. Keeps x, spoils r and u. */
+/* Solves by convex problems, from zero; rests: 1 for one of them. Returns as dlsi_global_measure,
+ * or an error. Keeps x, spoils r and u. */
 dls_status dlsi_global_fixed(dls_global *work, int rests, dls_error *error);
 
 /* ---- lagrangian.c ---------------------------------------------------------------------------- */
