@@ -204,6 +204,43 @@ START_TEST(friction_and_ends) {
 }
 END_TEST
 
+/* W alone: a rod of compliance 1 between two walls, at gaps of 1 that both close by lambda. It
+ * slides, and does not shrink. With W definite all loads are carried. */
+START_TEST(without_stiffness) {
+  for (int definite = 0; definite < 2; definite++) {
+    const double q1[] = {-1, 0, -1, 0}, g[] = {1, 0, 1, 0}, mu[] = {0.3, 0.3}, one[] = {1, 1};
+    const double f1[] = {0, 0, 0, 0, 1};
+    double K[25] = {0}, r[4], x[5], motion[5];
+    const int p[] = {0, 1, 2}, normal[] = {0, 2}, tangent[] = {1, 3};
+    for (int i = 0; i < 4; i++) {
+      K[6 * i] = 1;
+      K[20 + i] = q1[i];
+    }
+    if (!definite) K[2] = K[10] = -1;
+    const dls_model model = {.d = 2,
+                             .n = 5,
+                             .nodes = 2,
+                             .operator_kind = DLS_FLEXIBILITY,
+                             .factorization = DLS_LU,
+                             .K = {5, 5, 5, K},
+                             .HN = {5, 2, p, normal, one},
+                             .HT = {5, 2, p, tangent, one}};
+    dls_reduction *reduction;
+    dls_limit limit;
+    dls_error error;
+    ck_assert_msg(!dls_reduction_create(&reduction, &model, NULL, &error), "%s", error.message);
+    ck_assert(!dls_limit_load(reduction, NULL, f1, g, mu, NULL, NULL, r, x, motion, &limit, NULL));
+    ck_assert(limit.proved == !definite);
+    if (definite) ck_assert(isinf(limit.refused) && limit.carried > 1e6);
+    if (!definite) ck_assert(limit.carried <= 1 + 1e-9 && limit.refused >= 1 - 1e-9);
+    if (!definite) ck_assert(limit.refused - limit.carried <= 1e-6);
+    for (int i = 0; i < 5 && !definite; i++)
+      ck_assert(motion[i] == 0);
+    dls_reduction_destroy(reduction);
+  }
+}
+END_TEST
+
 /* ---- planted limits -------------------------------------------------------------------------- */
 
 static int limits = 300;
@@ -376,6 +413,6 @@ END_TEST
 int main(int argc, char **argv) {
   if (argc > 1) limits = atoi(argv[1]);
   return RUN("limit", NULL, NULL, ONCE(box_slides_or_tips), ONCE(lap_joint), ONCE(elastic_pair),
-             ONCE(friction_and_ends), ONCE(planted_limits), ONCE(arch_close_to_its_limit),
-             ONCE(arguments));
+             ONCE(friction_and_ends), ONCE(without_stiffness), ONCE(planted_limits),
+             ONCE(arch_close_to_its_limit), ONCE(arguments));
 }
