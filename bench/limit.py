@@ -146,11 +146,28 @@ def arches(out):
     out += ["", f"0.3 is the end of the search. Trials with neither an answer nor a proof: {len(unproved)}."]
 
 
+def long_arch(out):
+    """1,000 voussoirs pushed sideways with lambda times their weight."""
+    H, f0 = arch(1000, 0.15)
+    f1, mu = np.zeros_like(f0), 0.7
+    f1[0::3] = -f0[1::3]
+    begun = time.process_time()
+    found = reduction(H).limit(f1, mu=np.full(H.shape[2], mu), f=f0)
+    middle = time.process_time()
+    best = programme(H, f0, f1, mu)
+    end = time.process_time()
+    out += ["", f"A semicircle of 1,000 blocks, thickness 0.15, friction {mu}, pushed sideways: carried "
+            f"{found.carried:.8f}, refused {found.refused:.8f}, programme {best:.8f}, {found.solves} solves, "
+            f"{middle - begun:.2f} s of CPU, {(middle - begun) / (end - middle):.2f} times that of the programme.", ""]
+    print(out[-2], flush=True)
+
+
 if __name__ == "__main__":
     page = ["# Limit loads beside a linear programme", "",
             f"`/usr/bin/python3 bench/limit.py`, HiGHS of SciPy {scipy.__version__}. Walls in running bond under their "
             "weight, lambda times the weight sideways; blocks 1 x 0.5.", ""]
     walls(page)
     arches(page)
+    long_arch(page)
     with open(os.path.join(os.environ.get("RESULTS", "bench/results"), "limit.md"), "w") as file:
         file.write("\n".join(page).rstrip() + "\n")

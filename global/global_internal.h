@@ -101,6 +101,9 @@ void dlsi_global_push(const dls_global *work, const double *r, double *v);
 /* Returns 1 if the own deformation can be split off, and has not been. */
 int dlsi_global_can_split(const dls_global *work);
 
+/* Returns 1 if K = 0. */
+int dlsi_global_is_rigid(const dls_global *work);
+
 /* Measures the pair (work->x, r), r round, and keeps it if it is the best so far. Returns DLS_OK if
  * it is solved, DLS_TO_ROUNDING, DLS_STALLED to go on, or dlsi_split_first. *found receives the
  * certificate. */
@@ -177,9 +180,9 @@ dls_status dlsi_global_interior(dls_global *work, double hold, double start, con
 
 /* ---- fixed.c --------------------------------------------------------------------------------- */
 
-/* Solves by convex problems, from zero. Returns as dlsi_global_measure, or an error. Keeps x,
- * spoils r and u. */
-dls_status dlsi_global_fixed(dls_global *work, dls_error *error);
+/* Solves by convex problems, from zero; rests: 1 for one of them. Returns as dlsi_global_measure,
+ * or an error. Keeps x, spoils r and u. */
+dls_status dlsi_global_fixed(dls_global *work, int rests, dls_error *error);
 
 /* ---- lagrangian.c ---------------------------------------------------------------------------- */
 

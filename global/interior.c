@@ -18,6 +18,10 @@
  *          tau = p.z / nc. If its step is below .1: without the last term, sigma >= .5
  *   (GI4)  x, p, z += .99 times the largest step, at most 1
  *   (GI5)  ends when p.z is 1e-14 of f^T x or of the first p.z, or after 60 iterations
+ *   (GI6)  K = 0, r wanted: ends, too, if 10 iterations have not taken a tenth off p.z. P^-2 has
+ *          entries of 1e-7 to 1e7 at the end, and its rounding leaves f + H r at 1e-8 of f. So
+ *          twice, D = r_n over the largest r_n at each contact:
+ *          (hold E + H D H^T) y = f + H r,  r -= D H^T y
  *
  * Source: as vi/split/rest.c (AR7)-(AR9), the same method on W.
  * Cost: an analysis, 10 to 40 factorisations of a matrix with the entries of K + H R H^T, three
@@ -31,14 +35,15 @@
 #include "global_internal.h"
 #include "linear/dissection.h"
 
-enum { most_points = 60 };
+enum { most_points = 60, stuck_every = 10, balances = 2 };
 
 static const double to_boundary = 0.99, short_step = 0.1, least_step = 1e-8;
-static const double largest_mu = 1e4, done = 1e-14;
+static const double largest_mu = 1e4, done = 1e-14, stuck = 0.9;
 
 typedef struct interior {
   dls_global *global;
   double hold;
+  int rests;             /* 1: (GI6) */
   const double *old, *g; /* n, m; NULL: 0 */
   double *x, *dx, *rest; /* n; rest: f + H p - (K + hold E) x */
   double *e;             /* n: hold E with its sign */
@@ -164,9 +169,25 @@ static void interior_square(const interior *I, int c, const double *x, double *y
   dlsi_cone_scale(d, I->eta[c], I->w + d * c, 1, v, y);
 }
 
-/* Factors the matrix of (GI2). DLS_E_SINGULAR if the point has left the cones or a pivot is not
- * positive. */
+/* Factors K + hold E + H B H^T. DLS_E_SINGULAR if a pivot is not positive. */
 static dls_status interior_factor(interior *I, dls_error *error) {
+  dls_global *work = I->global;
+  work->factorisations++;
+  (void)interior_list(work, I->B, NULL, NULL, I->value + work->model.Ks.p[work->n]);
+  if (!I->cholesky) return interior_lu(I, error);
+  double pivot;
+  const int failed = dlsi_cholesky_factor(I->cholesky, I->value, &pivot);
+  return failed < 0 ? dlsi_no_memory(error) : failed ? DLS_E_SINGULAR : DLS_OK;
+}
+
+/* dx := A^-1 dx */
+static dls_status interior_solve(interior *I, dls_error *error) {
+  return I->cholesky ? dlsi_cholesky_solve(I->cholesky, I->dx, 1, error)
+                     : dlsi_general_solve(&I->general, 0, I->dx, error);
+}
+
+/* Factors the matrix of (GI2). DLS_E_SINGULAR also if the point has left the cones. */
+static dls_status interior_matrix_at(interior *I, dls_error *error) {
   dls_global *work = I->global;
   const int d = work->d;
   for (int c = 0; c < work->nc; c++) {
@@ -180,12 +201,7 @@ static dls_status interior_factor(interior *I, dls_error *error) {
         I->B[d * (o + i) + j] = I->S[2 * c + (i > 0)] * column[i] * I->S[2 * c + (j > 0)];
     }
   }
-  work->factorisations++;
-  (void)interior_list(work, I->B, NULL, NULL, I->value + work->model.Ks.p[work->n]);
-  if (!I->cholesky) return interior_lu(I, error);
-  double pivot;
-  const int failed = dlsi_cholesky_factor(I->cholesky, I->value, &pivot);
-  return failed < 0 ? dlsi_no_memory(error) : failed ? DLS_E_SINGULAR : DLS_OK;
+  return interior_factor(I, error);
 }
 
 /* (GI2) *step: the largest step. */
@@ -206,8 +222,7 @@ static dls_status interior_direction(interior *I, double *dp, double *dz, double
   }
   memcpy(I->dx, I->rest, (size_t)work->n * sizeof *I->dx);
   interior_push(I, dz, I->dx);
-  const dls_status status = I->cholesky ? dlsi_cholesky_solve(I->cholesky, I->dx, 1, error)
-                                        : dlsi_general_solve(&I->general, 0, I->dx, error);
+  const dls_status status = interior_solve(I, error);
   if (status) return status;
   interior_look(I, I->dx, dz);
   *step = INFINITY;
@@ -274,7 +289,7 @@ static dls_status interior_run(interior *I, dls_error *error) {
   dls_global *work = I->global;
   const int n = work->n, m = work->m;
   dls_status status = DLS_OK;
-  double first = 0;
+  double first = 0, before = INFINITY;
   for (int k = 0; !status && k < most_points; k++) {
     double tau = 0, load = 0, step;
     dlsi_body_multiply(&work->model, I->x, I->rest, NULL);
@@ -292,7 +307,11 @@ static dls_status interior_run(interior *I, dls_error *error) {
     }
     if (k == 0) first = tau;
     if (k > 0 && !(tau > done * fmax(fabs(load), first))) return DLS_OK;
-    status = interior_factor(I, error);
+    if (I->rests && k % stuck_every == 0) {
+      if (tau > stuck * before) break;
+      before = tau;
+    }
+    status = interior_matrix_at(I, error);
     if (!status) status = interior_step(I, tau / work->nc, &step, error);
     if (status) break;
     if (!(step > least_step)) break;
@@ -314,10 +333,39 @@ static dls_status interior_run(interior *I, dls_error *error) {
   return !status || status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED ? DLS_STALLED : status;
 }
 
+/* (GI6) */
+static dls_status interior_balance(interior *I, double *r, dls_error *error) {
+  dls_global *work = I->global;
+  const int d = work->d;
+  const size_t n = (size_t)work->n;
+  double most = 0;
+  dls_status status = DLS_OK;
+  for (int c = 0; c < work->nc; c++)
+    most = fmax(most, r[d * c]);
+  if (!(most > 0)) return DLS_OK;
+  memset(I->B, 0, (size_t)(d * work->m) * sizeof *I->B);
+  for (int k = 0; k < work->m; k++) {
+    I->B[d * k + k % d] = fmax(r[k - k % d], 0) / most;
+    I->S[2 * (k / d)] = I->S[2 * (k / d) + 1] = 1;
+  }
+  for (int k = 0; !status && k < balances; k++) {
+    memcpy(I->dx, work->f, n * sizeof *I->dx);
+    dlsi_global_push(work, r, I->dx);
+    if (k == 0) status = interior_factor(I, error);
+    if (!status) status = interior_solve(I, error);
+    if (status) break;
+    interior_look(I, I->dx, I->h);
+    for (int i = 0; i < work->m; i++)
+      r[i] -= I->B[d * i + i % d] * I->h[i];
+  }
+  return status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED ? DLS_OK : status;
+}
+
 dls_status dlsi_global_interior(dls_global *work, double hold, double start, const double *old,
                                 const double *g, double *x, double *r, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m, nc = (size_t)work->nc;
   interior I = {.global = work, .hold = hold, .old = old, .g = g, .x = x};
+  I.rests = r && dlsi_global_is_rigid(work);
   double *memory = dlsi_alloc(3 * n + (11 + (size_t)work->d) * m + 3 * nc, sizeof *memory);
   if (!memory) return dlsi_no_memory(error);
   double **const of_m[] = {&I.p, &I.z,      &I.dp, &I.dz,   &I.ap, &I.az,
@@ -337,6 +385,10 @@ dls_status dlsi_global_interior(dls_global *work, double hold, double start, con
   if (!status) status = interior_run(&I, &why);
   for (size_t k = 0; r && k < m; k++)
     r[k] = I.S[2 * (k / (size_t)work->d) + (k % (size_t)work->d > 0)] * I.p[k];
+  if (I.rests && (!status || status == DLS_STALLED)) {
+    const dls_status balanced = interior_balance(&I, r, &why);
+    if (balanced) status = balanced;
+  }
   if (status < 0 && error) *error = why;
   dlsi_cholesky_destroy(I.cholesky);
   dlsi_general_free(&I.general);

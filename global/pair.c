@@ -90,6 +90,11 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   return DLS_OK;
 }
 
+int dlsi_global_is_rigid(const dls_global *work) {
+  const dls_sparse *K = &work->model.Ks;
+  return dlsi_max_abs(K->x, (size_t)K->p[work->n]) == 0;
+}
+
 int dlsi_global_can_split(const dls_global *work) {
   return !work->is_split && !work->body.joint && work->m > 0 &&
          (work->body.model || work->body.multiply);

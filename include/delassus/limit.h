@@ -13,7 +13,9 @@
  * both meet: a load that no answer carries has such a motion (Farkas; limit analysis). They are the
  * limit of the associated law, which bounds that of Coulomb's law from above: with friction an
  * answer at a smaller load may still be left on another path. limit.unique says whether the answer
- * at `carried` is the only one. A body that K holds carries every load.
+ * at `carried` is the only one. A body that K holds carries every load. W alone, q0 + lambda q1:
+ * the model of a flexibility K^-1 = (W q1; 0 0), H = (1; 0), f1 = (0; 1), g = q0; then weights
+ * (dls_solver_farkas) prove in place of b, and trials bisect.
  *
  * Each b gives the lambda from which on it proves, b.(f0 + lambda f1) = 0, which is the next trial
  * (Newton's method on the largest lambda, by cuts); bisection where there is none.
@@ -44,7 +46,7 @@ typedef struct dls_limit {
   double carried; /* an answer was certified here */
   double refused; /* a motion proves that there is none here; an infinite `to`, or `to` itself, if
                      nothing was found up to it */
-  int proved;     /* 1: refused has a motion */
+  int proved;     /* 1: refused has a motion, or weights without K */
   double open;    /* the trial nearest to `carried` that was neither certified nor proved; NAN if
                      there is none */
   int solves;

@@ -24,8 +24,6 @@
 static const double margin = 2e-9;   /* of |b|.|f|: 20 times what a proof asks */
 static const double farthest = 1e12; /* of the first step */
 static const double stride = 16;
-/* Iterations of a warm solve: of 1,000 voussoirs a cold one takes 95, a warm one up to 3,000. */
-enum { warm_most = 300 };
 
 typedef struct limit_work {
   dls_reduction *reduction;
@@ -103,8 +101,6 @@ static int limit_try(limit_work *l, double lambda, int warm, dls_status *status,
   dls_solver_settings_init(&settings);
   settings.limits = l->settings.limits;
   settings.limits.warm_start = warm;
-  if (warm && !(settings.limits.max_iterations > 0 && settings.limits.max_iterations < warm_most))
-    settings.limits.max_iterations = warm_most;
   if (warm) memcpy(l->r, l->r_best, l->m * sizeof *l->r);
   if (warm) memcpy(l->x, l->x_best, l->n * sizeof *l->x);
   l->found.solves++;
