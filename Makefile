@@ -335,7 +335,10 @@ BENCHES = auto bodies derive dynamics hard lanes least papers problems prove rep
 TESTED = all $(TESTS) $(ROUNDED) $(LANGUAGES) $(addprefix $(BUILD)/bench/,$(BENCHES))
 check-build: check-build-1 check-build-2
 # two halves, for two cores
-check-build-1 check-build-2: check-build-%: $(TESTED)
+.PHONY: check-build-begun
+check-build-begun: $(TESTED)
+	@rm -rf $(BUILD)/begun && mkdir $(BUILD)/begun
+check-build-1 check-build-2: check-build-%: check-build-begun
 	@PYTHON='$(PYTHON)' HALF=$* tests/run.sh $(BUILD) $(TEST_RUNNER)
 
 # the library as it is without HDF5, MUMPS and OpenMP, and the tests of what that changes
