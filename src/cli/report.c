@@ -24,30 +24,49 @@ static const double own_accuracy = 1e-2, own_cpu = 60, quick_cpu = 20;
 typedef struct report_options {
   double accuracy, cpu; /* cpu: seconds for a page; 0: own_cpu, quick_cpu */
   const char *of;       /* NULL: force,curve */
+  int asked;            /* the same as bits */
   int text, quick;
   const char *out;
   source from;
 } report_options;
 
 static void report_usage(FILE *out) {
-  fputs("Usage: delassus report [OPTION]... FILE|SCENE...\n"
-        "  or:  delassus report [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
-        "Writes a page (HTML) for each name: what to take for a wanted accuracy, how far mesh,\n"
-        "steps and tolerance move the answer, speed against accuracy, where methods fail, energy,\n"
-        "contacts, and the commands that draw each part again. The page needs no network.\n"
-        "\n"
-        "      --accuracy=E      wanted relative accuracy of the scene's answer (0.01)\n"
-        "      --of=LIST         what is to be accurate: force (at the end; or the impulse, the "
-        "work),\n"
-        "                        curve (over the steps); force,curve\n"
-        "      --cpu=S           approximate CPU seconds for a page (60; --quick 20)\n"
-        "      --quick           the verdict, the error budget and the contacts only\n"
-        "      --text            print the page as text, too\n"
-        "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
-        "printed)\n" LAST_USAGE "\n"
-        "Exit status: 0, 1 if there is no answer, 2 bad input.\n\n",
-        out);
+  fputs(
+      "Usage: delassus report [OPTION]... FILE|SCENE...\n"
+      "  or:  delassus report [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
+      "Writes a page (HTML) for each name: what to take for a wanted accuracy, how far mesh,\n"
+      "steps and tolerance move the answer, speed against accuracy, where methods fail, energy,\n"
+      "contacts, and the commands that draw each part again. The page needs no network.\n"
+      "\n"
+      "      --accuracy=E      wanted relative accuracy of the scene's answer (0.01)\n"
+      "      --of=LIST         what is to be accurate: force (at the end; or the impulse, the "
+      "work),\n"
+      "                        curve (over the steps), pressure, edge (of contact), slip (zone),\n"
+      "                        drift (of energy); force,curve\n"
+      "      --cpu=S           approximate CPU seconds for a page (60; --quick 20)\n"
+      "      --quick           the verdict, the error budget and the contacts only\n"
+      "      --text            print the page as text, too\n"
+      "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
+      "printed)\n" LAST_USAGE "\n"
+      "Exit status: 0, 1 if there is no answer, 2 bad input.\n\n",
+      out);
   source_usage(out);
+}
+
+/* Returns the bits of a list of quantities, 0 if it is none. */
+static int take_asked(const char *list) {
+  int bits = 0;
+  for (;;) {
+    const size_t length = strcspn(list, ",");
+    int of = 0;
+    while (of < OF_COUNT &&
+           (strlen(quantity_names[of]) != length || strncmp(list, quantity_names[of], length) != 0))
+      of++;
+    if (of == OF_COUNT) return 0;
+    bits |= 1 << of;
+    if (!list[length]) return bits;
+    list += length + 1;
+  }
 }
 
 /* A page while it is made. */
@@ -177,10 +196,13 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   if (!b) return complain_of(s->name, &error);
   *b = (budget){.scene = s,
                 .accuracy = o->accuracy,
-                .of = o->of && !strcmp(o->of, "force")   ? OF_FORCE
-                      : o->of && !strcmp(o->of, "curve") ? OF_CURVE
-                                                         : OF_FORCE | OF_CURVE,
+                .of = o->asked,
                 .limit = (o->quick ? quick_share : budget_share) * o->cpu};
+  if (o->asked && !(o->asked & s->has)) {
+    (void)complain("%s: --of: it has none of '%s'", s->name, o->of);
+    free(b);
+    return result;
+  }
   if (budget_run(b, &error) || b->take < 0) {
     if (was_interrupted())
       result = EXIT_NOT_SOLVED;
@@ -342,9 +364,8 @@ int command_report(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (!(o.accuracy > 0 && o.accuracy < 1))
     return complain("--accuracy: '%g' is not between 0 and 1", o.accuracy);
-  if (o.of && strcmp(o.of, "force") != 0 && strcmp(o.of, "curve") != 0 &&
-      strcmp(o.of, "force,curve") != 0)
-    return complain("--of: '%s' is not force, curve or force,curve", o.of);
+  if (o.of && !(o.asked = take_asked(o.of)))
+    return complain("--of: '%s' is not a list of force, curve, pressure, edge, slip, drift", o.of);
   int count = argc - optind;
   char **names = source_names(&count, argv, &o.from);
   if (!names) return EXIT_BAD_INPUT;

@@ -76,28 +76,28 @@ typedef struct ladder {
   int monotone;         /* 1: the last values move in one direction */
 } ladder;
 
-/* The answer at the end; its curve over the steps. */
-enum { OF_FORCE = 1, OF_CURVE = 2 };
-
 typedef struct budget {
   const scene *scene;
   double accuracy, limit; /* wanted, relative; CPU seconds for all runs */
-  int of;                 /* what is to be accurate: OF_FORCE | OF_CURVE */
+  int of; /* what is to be accurate: bits 1 << OF_.., 0: force and curve; in: those that it has */
   double start;
   int probes;
   probe probe[MOST_PROBES];
   ladder mesh, graded, steps, tol;
-  double reference, doubt; /* the closed form or the limit of the ladders; its estimated error */
-  int finest;              /* the probe whose curve is the reference, -1: none */
-  double curve_doubt;      /* estimated error of that curve */
-  int disagree;            /* 1: the limits of both meshes differ by more than their doubts */
-  int own, take, check;    /* probes; -1: none */
-  double error;            /* of the setting to take, relative, with the doubt */
-  int met;                 /* 1: take is within the accuracy, and the check run agrees */
-  setting enough;          /* met = 0: what would be enough by the measured orders, ... */
-  double enough_seconds;   /* ... and its CPU by the measured cost; NaN: not known */
-  dls_status status;       /* of the first error of the library */
+  double reference;       /* the closed form or the limit of the ladders */
+  int finest[OF_COUNT];   /* the probe whose field is the reference, -1: none */
+  double doubt[OF_COUNT]; /* estimated error of each reference */
+  int disagree;           /* 1: the limits of both meshes differ by more than their doubts */
+  int own, take, check;   /* probes; -1: none */
+  double error;           /* of the setting to take: the worst of what is asked, with its doubt */
+  int met;                /* 1: take is within the accuracy, and the check run agrees */
+  setting enough;         /* met = 0: what would be enough by the measured orders, ... */
+  double enough_seconds;  /* ... and its CPU by the measured cost; NaN: not known */
+  dls_status status;      /* of the first error of the library */
 } budget;
+
+/* The words of --of. */
+extern const char *const quantity_names[OF_COUNT];
 
 /* Measures and searches. Returns a status < 0 with *error, or DLS_OK. */
 dls_status budget_run(budget *b, dls_error *error);
@@ -112,10 +112,11 @@ void budget_verdict(const budget *b, char *text, size_t size);
 void budget_accuracy(const budget *b, page *p);
 void budget_tables(const budget *b, page *p);
 
-/* Returns |value - reference| / |reference| of a probe, and the L2 norm of its curve less that of
- * the reference over the norm of that (NaN: no curve). Without the doubts. */
-double budget_error(const budget *b, int probe);
-double budget_curve(const budget *b, int probe);
+/* Returns the distance of a probe from the reference, without the doubt; INFINITY without one. */
+double budget_error(const budget *b, int probe, quantity_of of);
+
+/* Returns which of what is asked has the largest error, its doubt added. */
+quantity_of budget_worst(const budget *b, int probe);
 
 /* Writes budget.csv, budget.gp and draws budget.svg in the directory; 0 after a complaint. */
 int budget_picture(const budget *b, const char *directory);

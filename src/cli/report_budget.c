@@ -39,6 +39,9 @@ static const double graded = 3;                     /* the grade of a graded mes
 static const double loosest_tol = 0.11;             /* a tenth, with its rounding */
 enum { MOST_LEVELS = 12, TIGHTER = 2 }; /* beyond a ladder, to extrapolate; digits of tol */
 
+const char *const quantity_names[OF_COUNT] = {"force", "curve", "pressure",
+                                              "edge",  "slip",  "drift"};
+
 /* ---- runs ------------------------------------------------------------------------------------ */
 
 static double seconds_left(const budget *b) {
@@ -132,24 +135,26 @@ static void ladder_settle(const budget *b, ladder *l) {
   l->monotone = !up || !down;
 }
 
-/* Returns the L2 distance of two curves over the norm of the second; INFINITY without one. */
-static double curve_distance(const budget *b, int one, int other) {
-  double sum = 0, norm = 0;
+/* Returns the distance of two probes in a quantity; INFINITY without one of them. */
+static double probes_apart(const budget *b, int one, int other, quantity_of of) {
   if (one < 0 || other < 0) return INFINITY;
-  const double *x = b->probe[one].got.curve, *y = b->probe[other].got.curve;
-  for (int k = 0; k < CURVE; k++) {
-    sum += (x[k] - y[k]) * (x[k] - y[k]);
-    norm += y[k] * y[k];
-  }
-  return norm > 0 ? sqrt(sum / norm) : 0;
+  return answer_distance(&b->probe[one].got, &b->probe[other].got, of);
 }
 
-/* Returns the estimated error of the curve of the finest level. */
-static double ladder_curve_doubt(const budget *b, const ladder *l) {
-  const int apart = is_mesh(b, l) ? 2 : 1, last = ladder_probe(b, l, l->high);
-  if (l->low > l->high) return 0;
-  return unsafe * fmax(curve_distance(b, ladder_probe(b, l, l->high - apart), last),
-                       curve_distance(b, ladder_probe(b, l, l->high - 1), last));
+/* Returns the estimated error of a field of the finest level. */
+static double field_doubt(const budget *b, const ladder *l, quantity_of of) {
+  const int half = is_mesh(b, l) ? 2 : 1, last = ladder_probe(b, l, l->high);
+  if (l->low > l->high || of == OF_DRIFT) return 0;
+  return unsafe * fmax(probes_apart(b, ladder_probe(b, l, l->high - half), last, of),
+                       probes_apart(b, ladder_probe(b, l, l->high - 1), last, of));
+}
+
+/* Returns the largest estimated error of the fields that are asked. */
+static double fields_doubt(const budget *b, const ladder *l) {
+  double worst = 0;
+  for (quantity_of of = OF_CURVE; of < OF_COUNT; of++)
+    if (b->of >> of & 1) worst = fmax(worst, field_doubt(b, l, of));
+  return worst;
 }
 
 /* Returns the largest error of a level and of all finer ones, relative to the ladder's limit;
@@ -161,12 +166,12 @@ static double ladder_error(const budget *b, const ladder *l, int level) {
   const double limit = with_mesh ? ladder_value(b, l, 0) : l->truth;
   double worst = ladder_probe(b, l, level) < 0 ? INFINITY : 0;
   for (int k = level; k <= (with_mesh ? 0 : l->high); k++) {
+    const int last = ladder_probe(b, l, with_mesh ? 0 : l->high);
     const double value = ladder_value(b, l, k);
     if (!isfinite(value)) continue;
-    if (b->of != OF_CURVE) worst = fmax(worst, fabs(value - limit) / fabs(limit));
-    if (b->of & OF_CURVE)
-      worst = fmax(worst, curve_distance(b, ladder_probe(b, l, k),
-                                         ladder_probe(b, l, with_mesh ? 0 : l->high)));
+    if (b->of & 1 << OF_FORCE) worst = fmax(worst, fabs(value - limit) / fabs(limit));
+    for (quantity_of of = OF_CURVE; of < OF_COUNT; of++)
+      if (b->of >> of & 1) worst = fmax(worst, probes_apart(b, ladder_probe(b, l, k), last, of));
   }
   return worst;
 }
@@ -205,10 +210,10 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
   for (;;) {
     ladder_settle(b, l);
     const double next = b->probe[k0].got.seconds * ladder_cost(b, l, l->high + 1);
-    const double curve = b->of & OF_CURVE ? ladder_curve_doubt(b, l) : 0;
-    if (l->high >= (l == &b->tol ? 1 : 2) && fmax(l->doubt, curve) < well_known * b->accuracy)
+    const double fields = fields_doubt(b, l);
+    if (l->high >= (l == &b->tol ? 1 : 2) && fmax(l->doubt, fields) < well_known * b->accuracy)
       return;
-    if (is_mesh(b, l) && l->high >= 2 && curve < well_known * b->accuracy &&
+    if (is_mesh(b, l) && l->high >= 2 && fields < well_known * b->accuracy &&
         beside_exact(b, l, l->high) && beside_exact(b, l, l->high - 1))
       return;
     if (l == &b->tol && l->high == 1) return;
@@ -218,26 +223,32 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
 
 /* ---- the search ------------------------------------------------------------------------------ */
 
-double budget_error(const budget *b, int k) {
-  return fabs(b->probe[k].got.value - b->reference) / fabs(b->reference);
+double budget_error(const budget *b, int k, quantity_of of) {
+  return of == OF_FORCE ? fabs(b->probe[k].got.value - b->reference) / fabs(b->reference)
+                        : probes_apart(b, k, of == OF_DRIFT ? k : b->finest[of], of);
 }
 
-double budget_curve(const budget *b, int k) {
-  return b->finest < 0 ? (double)NAN : curve_distance(b, k, b->finest);
+quantity_of budget_worst(const budget *b, int k) {
+  quantity_of worst = OF_COUNT;
+  for (quantity_of of = OF_FORCE; of < OF_COUNT; of++)
+    if (b->of >> of & 1 && (worst == OF_COUNT || !(budget_error(b, k, of) + b->doubt[of] <=
+                                                   budget_error(b, k, worst) + b->doubt[worst])))
+      worst = of;
+  return worst;
 }
 
-/* Returns the error of what is asked, with the doubts. */
+/* Returns the error of the worst of what is asked, with its doubt. */
 static double asked_error(const budget *b, int k) {
-  const double force = b->of == OF_CURVE ? 0 : budget_error(b, k) + b->doubt;
-  const double curve = b->of & OF_CURVE ? budget_curve(b, k) + b->curve_doubt : 0;
-  return fmax(force, curve);
+  const quantity_of worst = budget_worst(b, k);
+  return budget_error(b, k, worst) + b->doubt[worst];
 }
 
-/* Returns the larger doubt of what is asked. */
+/* Returns the largest doubt of what is asked. */
 static double asked_doubt(const budget *b) {
-  return b->of == OF_CURVE  ? b->curve_doubt
-         : b->of & OF_CURVE ? fmax(b->doubt, b->curve_doubt)
-                            : b->doubt;
+  double worst = 0;
+  for (quantity_of of = OF_FORCE; of < OF_COUNT; of++)
+    if (b->of >> of & 1) worst = fmax(worst, b->doubt[of]);
+  return worst;
 }
 
 /* A setting to try. */
@@ -312,8 +323,9 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
   if (k < 0 || b->probe[k].got.status || !(asked_error(b, k) <= b->accuracy)) return 0;
   const int run = run_check(b, c, tol, error);
   const int check = run >= 0 && isfinite(b->probe[run].got.value) ? run : -1;
-  const double other = check < 0 ? 0 : fabs(b->probe[k].got.value / b->probe[check].got.value - 1);
-  const double error_of = fmax(asked_error(b, k), other);
+  double error_of = asked_error(b, k);
+  for (quantity_of of = OF_FORCE; of < OF_COUNT && check >= 0; of++)
+    if (b->of >> of & 1) error_of = fmax(error_of, probes_apart(b, k, check, of));
   if (b->take >= 0 && b->error <= error_of) return 0;
   b->take = k;
   b->check = check;
@@ -364,28 +376,34 @@ static void make_reference(budget *b) {
   const double own = b->probe[b->own].got.value;
   const int two = g->low <= g->high;
   b->reference = isfinite(m->limit) ? m->limit : own;
-  b->doubt = isfinite(m->limit) ? m->doubt : 0;
+  double doubt = isfinite(m->limit) ? m->doubt : 0;
   if (two && g->doubt < m->doubt) {
     b->reference = g->limit;
-    b->doubt = g->doubt;
+    doubt = g->doubt;
   }
   b->disagree = two && !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
-  if (b->disagree) b->doubt = fabs(g->limit / m->limit - 1);
-  const ladder *last = m->low <= m->high ? m : &b->steps;
-  b->finest =
-      b->scene->own.steps && last->low <= last->high ? ladder_probe(b, last, last->high) : -1;
-  b->curve_doubt = ladder_curve_doubt(b, last);
-  if (!b->scene->dynamic && last == m) b->curve_doubt += ladder_curve_doubt(b, &b->steps);
+  if (b->disagree) doubt = fabs(g->limit / m->limit - 1);
+  for (quantity_of of = OF_CURVE; of < OF_COUNT; of++) {
+    const ladder *last = m->low <= m->high ? m : &b->steps;
+    if (two && field_doubt(b, g, of) < field_doubt(b, m, of)) last = g;
+    b->finest[of] = last->low <= last->high ? ladder_probe(b, last, last->high) : b->own;
+    b->doubt[of] = field_doubt(b, last, of);
+    const double two_apart =
+        two ? probes_apart(b, ladder_probe(b, m, m->high), ladder_probe(b, g, g->high), of) : 0;
+    if (two_apart > field_doubt(b, m, of) + field_doubt(b, g, of)) b->doubt[of] = two_apart;
+    if (!b->scene->dynamic && last == m) b->doubt[of] += field_doubt(b, &b->steps, of);
+  }
   if (isfinite(b->scene->exact)) {
     b->reference = b->scene->exact;
-    b->doubt = 0;
+    doubt = 0;
   }
+  b->doubt[OF_FORCE] = doubt;
   if (isfinite(m->limit)) m->truth = b->reference;
   if (two) g->truth = b->reference;
   if (b->scene->dynamic || !isfinite(b->steps.limit)) return;
   b->reference +=
       b->steps.limit - (isfinite(m->limit) ? ladder_value(b, &b->steps, m->steps) : own);
-  b->doubt += b->steps.doubt;
+  b->doubt[OF_FORCE] += b->steps.doubt;
 }
 
 /* Climbs all ladders: that of the meshes, the most costly one, with as many steps and as tight a
@@ -413,9 +431,12 @@ static void measure(budget *b, dls_error *error) {
 
 dls_status budget_run(budget *b, dls_error *error) {
   b->start = cpu_seconds();
-  b->take = b->check = b->finest = -1;
-  if (!b->scene->own.steps) b->of = OF_FORCE;
-  b->reference = b->doubt = b->error = b->enough_seconds = NAN;
+  b->take = b->check = -1;
+  if (!b->of) b->of = 1 << OF_FORCE | 1 << OF_CURVE;
+  /* momentum gives the impulse at the end for nothing: its curve chooses the mesh */
+  if (b->scene->dynamic && b->of & 1 << OF_FORCE) b->of |= 1 << OF_CURVE;
+  b->of &= b->scene->has;
+  b->reference = b->error = b->enough_seconds = NAN;
   b->own = run_probe(b, &b->scene->own, "own", error);
   if (b->own < 0) return b->status;
   measure(b, error);

@@ -13,6 +13,23 @@ static const char *percent(double part, char text[24]) {
   return text;
 }
 
+/* Writes what is asked: "friction force, its curve and pressure". */
+static const char *asked_words(const budget *b, char text[120]) {
+  static const char *const words[] = {"",          "its curve",   "pressure", "edge of contact",
+                                      "slip zone", "energy drift"};
+  size_t used = 0;
+  for (quantity_of of = OF_FORCE; of < OF_COUNT; of++)
+    if (b->of >> of & 1)
+      used += (size_t)snprintf(text + used, 120 - used, "%s%s",
+                               !used              ? ""
+                               : b->of >> of == 1 ? " and "
+                                                  : ", ",
+                               of == OF_FORCE            ? b->scene->answer
+                               : of == OF_CURVE && !used ? "curve"
+                                                         : words[of]);
+  return text;
+}
+
 void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
@@ -20,39 +37,47 @@ void budget_verdict(const budget *b, char *text, size_t size) {
   (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
-  const char *of = b->of == OF_CURVE ? ", its curve," : b->of & OF_CURVE ? " and its curve" : "";
+  char of[120], worst[40] = "";
+  (void)asked_words(b, of);
+  if (b->of & (b->of - 1))
+    (void)snprintf(worst, sizeof worst, ", the %s the worst",
+                   quantity_names[budget_worst(b, b->take)]);
   if (take->got.status) {
     (void)snprintf(text, size, "%s does not finish: %s, after %.0f %% of the steps", s->name,
                    dls_status_text(take->got.status), 100 * take->got.part);
   } else if (b->met) {
-    (void)snprintf(text, size, "Take %s: %s%s within %s (%s: %s), %.2g s of CPU", words, s->answer,
-                   of, wanted, isfinite(s->exact) && !*of ? "by the closed form" : "estimated to",
-                   error, take->got.seconds);
+    (void)snprintf(text, size, "Take %s: %s within %s (estimated to: %s%s), %.2g s of CPU", words,
+                   of, wanted, error, worst, take->got.seconds);
   } else {
-    (void)snprintf(text, size, "Take %s: %s%s within %s, the best that %.3g s of CPU found, not %s",
-                   words, s->answer, of, error, b->limit, wanted);
+    (void)snprintf(text, size, "Take %s: %s within %s%s, the best that %.3g s of CPU found, not %s",
+                   words, of, error, worst, b->limit, wanted);
   }
 }
 
 void budget_accuracy(const budget *b, page *p) {
-  char text[24], doubt[24], more[SETTING_ROOM];
+  static const char *const words[] = {"",
+                                      "curve over the steps (L2)",
+                                      "pressure (L2)",
+                                      "edge of contact (of the length that touches)",
+                                      "slip zone (of the length that touches)",
+                                      "energy drift (of the energies in a step)"};
+  char text[24], more[SETTING_ROOM];
   const scene *s = b->scene;
-  (void)percent(budget_error(b, b->take) + b->doubt, text);
-  if (isfinite(s->exact))
-    page_say(p, PAGE_PLAIN, "Accuracy: the %s is within %s of the closed form, %.6g %s.", s->answer,
-             text, b->reference, s->unit);
-  else
-    page_say(p, PAGE_PLAIN, "Accuracy: the %s is within %s, from %.6g %s, itself estimated to %s.",
-             s->answer, text, b->reference, s->unit, percent(b->doubt, doubt));
-  if (b->finest >= 0)
-    page_say(p, PAGE_PLAIN,
-             "Its curve over the steps is within %s (L2), from the finest run, itself estimated to "
-             "%s%s.",
-             percent(budget_curve(b, b->take) + b->curve_doubt, text),
-             percent(b->curve_doubt, doubt), b->of & OF_CURVE ? "" : " (not asked: --of=force)");
-  if (b->disagree)
+  page_say(p, PAGE_PLAIN, "Accuracy, from %s, %.6g %s, and the finest run:",
+           isfinite(s->exact) ? "the closed form" : "the limit of the meshes", b->reference,
+           s->unit);
+  page_table(p, "what,within,estimated error of the reference,asked");
+  for (quantity_of of = OF_FORCE; of < OF_COUNT; of++) {
+    if (!(s->has >> of & 1)) continue;
+    page_cell(p, "%s", of == OF_FORCE ? s->answer : words[of]);
+    page_cell(p, "%s", percent(budget_error(b, b->take, of) + b->doubt[of], text));
+    page_cell(p, "%s", of == OF_DRIFT ? "" : percent(b->doubt[of], text));
+    page_cell(p, "%s", b->of >> of & 1 ? "yes" : "no");
+  }
+  page_table_end(p);
+  if (b->disagree && b->of & 1 << OF_FORCE)
     page_say(p, PAGE_PLAIN, "Not decided: the even and the graded mesh tend to answers %s apart.",
-             percent(b->doubt, text));
+             percent(b->doubt[OF_FORCE], text));
   else if (!b->met && b->enough_seconds > 0)
     page_say(p, PAGE_PLAIN, "Not decided. By %s %s would be enough, in about %.2g s of CPU.",
              isfinite(b->mesh.order) ? "the measured order" : "an order of 0.5",
@@ -102,7 +127,7 @@ static void add_tried(const budget *b, page *p) {
     page_cell(p, "%s", k == b->take ? "to take" : k == b->check ? "check" : "tried");
     page_cell(p, "%s", setting_text(b->scene, &q->at, 0, words));
     page_cell(p, "%.6g", q->got.value);
-    page_cell(p, "%s", percent(budget_error(b, k), text));
+    page_cell(p, "%s", percent(budget_error(b, k, OF_FORCE), text));
     page_cell(p, "%.2g", q->got.seconds);
   }
   page_table_end(p);
@@ -133,7 +158,7 @@ void budget_tables(const budget *b, page *p) {
              b->reference);
   else
     page_say(p, PAGE_PLAIN, "Reference: %.6g, estimated to %s.", b->reference,
-             percent(b->doubt, text));
+             percent(b->doubt[OF_FORCE], text));
   page_say(p, PAGE_NOTE, "%d runs, %.2g s of CPU.", b->probes, cpu_seconds() - b->start);
   add_tried(b, p);
   if (b->met && b->check < 0)
@@ -150,7 +175,7 @@ static int budget_csv(const budget *b, const char *directory) {
     const probe *p = &b->probe[k];
     fprintf(file, "%s,%s,%s,%.10g,%.3e,%.4e\n", quote(AS_CSV, p->part).text,
             setting_text(b->scene, &p->at, 1, words), status_word(p->got.status), p->got.value,
-            budget_error(b, k), p->got.seconds);
+            budget_error(b, k, OF_FORCE), p->got.seconds);
   }
   return close_file(file, "budget.csv");
 }
@@ -183,7 +208,7 @@ static int budget_data(const budget *b, const char *directory, int points[4]) {
   points[3] = 0;
   for (int k = 0; k < b->probes; k++)
     if (k == b->check || !strcmp(b->probe[k].part, "search"))
-      points[3] += write_point(s, b, k, budget_error(b, k));
+      points[3] += write_point(s, b, k, budget_error(b, k, OF_FORCE));
   return close_file(s, "budget.dat");
 }
 
@@ -208,7 +233,7 @@ int budget_picture(const budget *b, const char *directory) {
       "  set label 'take' at first %.5g,%.5g point pt 6 ps 3 lw 3 lc rgb '#d55e00' offset "
       "1.2,0.6 tc rgb '#d55e00' front\n",
       b->scene->answer, take->got.seconds,
-      100 * fmax(budget_error(b, b->take), 0.01 * b->accuracy));
+      100 * fmax(budget_error(b, b->take, OF_FORCE), 0.01 * b->accuracy));
   fprintf(s, "  plot %g with lines lw 1.5 dt 2 lc rgb '#808080' title 'wanted'", 100 * b->accuracy);
   for (int k = 0; k < 4; k++)
     if (points[k] > 0)

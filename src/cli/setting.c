@@ -36,11 +36,50 @@ static void lattice_sides(int nodes, int rectangles, int *a, int *b) {
 
 /* Adds the way from (part0, value0) to (part1, value1) to the curve, linear in between. */
 static void curve_add(scene_answer *a, double part0, double value0, double part1, double value1) {
-  for (int k = 0; k < CURVE; k++) {
-    const double part = (k + 1.0) / CURVE;
+  for (int k = 0; k < PIECES; k++) {
+    const double part = (k + 1.0) / PIECES;
     if (part <= part0 || part > part1 + rounding) continue;
-    a->curve[k] = value0 + (value1 - value0) * (part - part0) / (part1 - part0);
+    a->field[OF_CURVE][k] = value0 + (value1 - value0) * (part - part0) / (part1 - part0);
   }
+}
+
+/* Returns the distance of node c of a list from the next one. */
+static double between(const double *xy, const int *node, int c) {
+  const double *a = xy + 2 * node[c], *b = xy + 2 * node[c + 1];
+  return hypot(b[0] - a[0], b[1] - a[1]);
+}
+
+/* Adds `weight` times the fields of a surface, whose nodes stand for it half way to their
+ * neighbours; beyond: its length behind the last node. */
+static void surface_add(scene_answer *a, double weight, const double *xy, const int *node,
+                        int count, double beyond, const double *r, const dls_contact_state *state) {
+  double whole = beyond, at = 0, low = 0;
+  for (int c = 0; c + 1 < count; c++)
+    whole += between(xy, node, c);
+  for (int c = 0; c < count && whole > 0; c++) {
+    const double next = c + 1 < count ? between(xy, node, c) : 2 * beyond, high = at + next / 2;
+    const double on[] = {r[2 * c] / (high - low), state[c] != DLS_FREE, state[c] == DLS_SLIP};
+    for (int k = (int)(low / whole * PIECES); k < PIECES && k * whole < high * PIECES; k++) {
+      const double part = fmin(high / whole * PIECES, k + 1) - fmax(low / whole * PIECES, k);
+      for (int i = 0; i < 3; i++)
+        a->field[OF_PRESSURE + i][k] += weight * fmax(0, part) * on[i];
+    }
+    at += next;
+    low = high;
+  }
+}
+
+double answer_distance(const scene_answer *a, const scene_answer *b, quantity_of of) {
+  double sum = 0, norm = 0;
+  const int zone = of == OF_EDGE || of == OF_SLIP;
+  if (of == OF_FORCE) return fabs(a->value - b->value) / fabs(b->value);
+  if (of == OF_DRIFT) return a->drift;
+  for (int k = 0; k < PIECES; k++) {
+    const double apart = a->field[of][k] - b->field[of][k];
+    sum += zone ? fabs(apart) : apart * apart;
+    norm += zone ? b->field[OF_EDGE][k] : b->field[of][k] * b->field[of][k];
+  }
+  return norm <= 0 ? 0 : zone ? sum / norm : sqrt(sum / norm);
 }
 
 /* ---- one equilibrium ------------------------------------------------------------------------- */
@@ -54,6 +93,7 @@ static dls_status own_equilibrium(scene *s, dls_error *error) {
   lattice_sides(d.mesh->nodes, d.mesh->triangles / 2, &s->own.ny, &s->own.nx);
   s->own.tol = scene_tol;
   s->friction = d.mu[0] > 0;
+  s->has = 1 << OF_PRESSURE | 1 << OF_EDGE;
   dls_fe_scene_destroy(fe);
   return DLS_OK;
 }
@@ -75,10 +115,17 @@ static dls_status solve_equilibrium(const dls_fe_scene_data *d, double tol, doub
   if (!status) status = dls_reduction_load(*reduction, d->f, d->g, error);
   if (!status) status = dls_reduction_contact(*reduction, d->mu, &contact, error);
   if (status) return status;
-  *r = calloc(2 * (size_t)contact.nc, sizeof **r);
+  const int m = 2 * contact.nc, *node = d->contact_node;
+  *r = calloc((size_t)m, 2 * sizeof **r + sizeof(dls_contact_state));
   if (!*r) return no_memory(error);
-  status = dls_solve(&contact, &settings, *r, NULL, &info, error);
-  if (status < 0) return status;
+  double *u = *r + m;
+  dls_contact_state *state = (dls_contact_state *)(void *)(u + m);
+  status = dls_solve(&contact, &settings, *r, u, &info, error);
+  const dls_status states = status < 0 ? status : dls_contact_states(&contact, *r, u, state, error);
+  if (states) return states;
+  surface_add(out, 1, d->mesh->xy, node, contact.nc,
+              between(d->mesh->xy, (int[]){node[contact.nc - 1], node[contact.nc - 1] + 1}, 0), *r,
+              state); /* up to the fixed node */
   out->status = status == DLS_TO_ROUNDING ? DLS_OK : status;
   out->value = 0;
   for (int c = 0; c < contact.nc; c++)
@@ -125,7 +172,33 @@ static dls_status own_forming(scene *s, dls_error *error) {
   s->whole = d.whole;
   s->own.tol = settings.tol;
   s->friction = 1;
+  s->has = 1 << OF_CURVE | 1 << OF_PRESSURE | 1 << OF_EDGE;
   dls_forming_destroy(forming);
+  return DLS_OK;
+}
+
+/* Adds the surface at the end. A reaction on its cone, the widest of all, slips where it moves. */
+static dls_status forming_surface(const dls_forming_data *d, double step, scene_answer *out,
+                                  dls_error *error) {
+  static const double border = 1e-3, still = 1e-6;
+  const double *r = d->r;
+  const int *node = d->candidate_node;
+  dls_contact_state *state = calloc((size_t)d->candidates, sizeof *state);
+  double mu = 0;
+  int count = 2;
+  if (!state) return no_memory(error);
+  while (count < d->candidates && node[count] - node[count - 1] == node[1] - node[0])
+    count++; /* the first ones follow each other on the surface */
+  for (int c = 0; c < count; c++)
+    if (r[2 * c] > 0) mu = fmax(mu, fabs(r[2 * c + 1]) / r[2 * c]);
+  for (int c = 0; c < count; c++)
+    state[c] =
+        r[2 * c] <= 0 ? DLS_FREE
+        : fabs(r[2 * c + 1]) >= (1 - border) * mu * r[2 * c] && fabs(d->u[2 * c + 1]) > still * step
+            ? DLS_SLIP
+            : DLS_STICK;
+  surface_add(out, 1, d->mesh->xy, node, count, 0, r, state);
+  free(state);
   return DLS_OK;
 }
 
@@ -161,6 +234,7 @@ static dls_status run_forming_at(const scene *s, const setting *at, double limit
   out->status = status;
   out->value = d.force;
   out->part = d.travel / d.whole;
+  if (!status) status = forming_surface(&d, d.whole / d.steps, out, error);
   dls_forming_destroy(forming);
   return status < 0 ? status : DLS_OK;
 }
@@ -183,6 +257,8 @@ static dls_status own_moving(scene *s, dls_error *error) {
   s->whole = d.steps * d.h;
   s->friction = d.settings.mu > 0;
   s->own.mass = d.dynamic ? d.settings.mass : 0;
+  s->has = 1 << OF_CURVE | 1 << OF_DRIFT;
+  if (d.candidates > 1) s->has |= 1 << OF_PRESSURE | 1 << OF_EDGE;
   dls_moving_destroy(moving);
   return DLS_OK;
 }
@@ -217,6 +293,8 @@ static dls_status run_moving_at(const scene *s, const setting *at, double limit,
     status = dls_moving_step(moving, error);
     dls_moving_get(moving, &d);
     curve_add(out, (d.step - 1.0) / d.steps, before, (double)d.step / d.steps, moving_value(s, &d));
+    surface_add(out, 1. / d.steps, d.mesh->xy, d.candidate_node, d.candidates, 0, d.r,
+                d.state.state);
     out->drift = fmax(out->drift, d.energy.residual / d.energy.scale);
     if (!status && show_moving_step(&d)) status = DLS_CANCELLED;
     if (!status && d.step < d.steps && cpu_seconds() - start > limit) status = DLS_TIME_LIMIT;
@@ -246,6 +324,7 @@ int scene_find(const char *name, scene *s, dls_status *status, dls_error *error)
     *status = (s->kind == SCENE_FORMING  ? own_forming
                : s->kind == SCENE_MOVING ? own_moving
                                          : own_equilibrium)(s, error);
+  s->has |= 1 << OF_FORCE | (s->friction && s->has & 1 << OF_EDGE ? 1 << OF_SLIP : 0);
   return s->kind != NO_SCENE;
 }
 

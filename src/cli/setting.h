@@ -31,20 +31,35 @@ typedef struct scene {
   double whole;     /* of a scene in steps: the whole way, or the whole time */
   int dynamic;      /* 1: steps have to follow the mesh */
   int friction;     /* 1: own friction is not 0 */
+  int has;          /* bits 1 << OF_..: the quantities that it has */
 } scene;
 
-enum { CURVE = 50 };
+/* What the answer is. The fields have PIECES values: the curve at the fractions 1/PIECES, 2/PIECES,
+ * .. of the steps, the others in as many equal parts of the surface at rest: mean pressure, the
+ * fraction that touches, the fraction that slips; at the end, of bodies that move the means over
+ * time. */
+typedef enum quantity_of {
+  OF_FORCE, /* the one number */
+  OF_CURVE,
+  OF_PRESSURE,
+  OF_EDGE,
+  OF_SLIP,
+  OF_DRIFT, /* of energy, bodies that move: worst error of a step's balance over its scale */
+  OF_COUNT
+} quantity_of;
+
+enum { PIECES = 50 };
 
 /* The answer at a setting. */
 typedef struct scene_answer {
   dls_status status;
-  double curve[CURVE]; /* of a scene in steps: the value at fractions 1/CURVE, 2/CURVE, .. of it */
-  double reduction;    /* CPU seconds of these: the reduction of an equilibrium */
-  double value;        /* NaN if the scene did not finish */
-  double seconds; /* of CPU, from the model on: the least of up to three runs of a short scene */
-  double part;    /* of the steps that are done, 0 to 1 */
-  double drift;   /* bodies that move: worst error of the energy balance of a step over its scale */
-  double gap;     /* bars: error of the gap beside the closed form; else NaN */
+  double field[OF_COUNT][PIECES];
+  double reduction; /* CPU seconds of these: the reduction of an equilibrium */
+  double value;     /* NaN if the scene did not finish */
+  double seconds;   /* of CPU, from the model on: the least of up to three runs of a short scene */
+  double part;      /* of the steps that are done, 0 to 1 */
+  double drift;     /* OF_DRIFT */
+  double gap;       /* bars: error of the gap beside the closed form; else NaN */
 } scene_answer;
 
 /* Finds a scene of any kind by its name and its own setting. Returns 0 if there is none of that
@@ -55,6 +70,11 @@ int scene_find(const char *name, scene *s, dls_status *status, dls_error *error)
  * < 0 with *error, or DLS_OK. */
 dls_status scene_run(const scene *s, const setting *at, double limit, scene_answer *out,
                      dls_error *error);
+
+/* Returns how far `a` is from `b` in a quantity: |a - b| / |b| of the number; of curve and pressure
+ * the L2 norm of the difference over that of b; of edge and slip zone the length where a and b
+ * differ over the length that touches in b; the drift of a. */
+double answer_distance(const scene_answer *a, const scene_answer *b, quantity_of of);
 
 /* Returns 1 if both are the same. */
 int setting_is(const setting *a, const setting *b);

@@ -72,6 +72,58 @@ START_TEST(advice_holds) {
 }
 END_TEST
 
+enum { PIECES = 50 };
+
+/* Fills the mean pressure of 50 equal parts of the contact line of jean-fig3, whose nodes stand for
+ * it half way to their neighbours. */
+static void pressures(const char *setting, double p[PIECES]) {
+  static const double length = 4e-3;
+  char arguments[300];
+  double low = 0;
+  (void)snprintf(arguments, sizeof arguments, "scene jean-fig3 %s --out=@/p", setting);
+  ck_assert_int_eq(run(arguments), 0);
+  const char *row = strchr(contents("p/contact.csv"), '\n') + 1;
+  for (int k = 0; k < PIECES; k++)
+    p[k] = 0;
+  while (*row) {
+    double x, rn, next = length;
+    ck_assert_int_eq(sscanf(row, "%*d,%lf,%*f,%*f,%*f,%*f,%lf", &x, &rn), 2);
+    row = strchr(row, '\n') + 1;
+    if (*row) ck_assert_int_eq(sscanf(row, "%*d,%lf", &next), 1);
+    const double high = *row ? (x + next) / 2 : length;
+    for (int k = 0; k < PIECES; k++) {
+      const double left = fmax(low, length * k / PIECES), right = length * (k + 1) / PIECES;
+      if (fmin(high, right) > left) p[k] += rn / (high - low) * (fmin(high, right) - left);
+    }
+    low = high;
+  }
+}
+
+/* The pressure of the advised mesh is within what the report says of one twice finer; that of
+ * 45 x 23, which the force asks for, is 12 % off. */
+START_TEST(pressure_holds) {
+  NEEDS_MUMPS;
+  static double taken[PIECES], fine[PIECES];
+  char setting[100];
+  int nx, ny;
+  double grade = 1, sum = 0, norm = 0;
+  ck_assert_int_eq(run("report jean-fig3 --quick --accuracy .05 --of=pressure --text -o @/r"), 0);
+  const char *take = strstr(output, "Take ");
+  ck_assert_ptr_nonnull(take);
+  ck_assert_int_ge(sscanf(take, "Take %d x %d, grade %lf", &nx, &ny, &grade), 2);
+  ck_assert_ptr_nonnull(strstr(take, "pressure within 5 %"));
+  (void)snprintf(setting, sizeof setting, "--mesh=%dx%d --grade=%g", nx, ny, grade);
+  pressures(setting, taken);
+  (void)snprintf(setting, sizeof setting, "--mesh=%dx%d --grade=%g", 2 * nx, 2 * ny, grade);
+  pressures(setting, fine);
+  for (int k = 0; k < PIECES; k++) {
+    sum += (taken[k] - fine[k]) * (taken[k] - fine[k]);
+    norm += fine[k] * fine[k];
+  }
+  ck_assert_double_le(sqrt(sum / norm), 0.05);
+}
+END_TEST
+
 static const struct {
   const char *arguments, *page;
   int status;
@@ -82,7 +134,7 @@ static const struct {
      0,
      {"Take ", "== Error budget ==", "mesh * 2", "weighted reactions", "no friction",
       "Uniqueness: unknown at friction 1", "== Stability ==", "== Contacts =="}},
-    {"report bar-impact --quick --cpu 4 --text -o @",
+    {"report bar-impact --quick --cpu 12 --text -o @",
      "bar-impact.html",
      0,
      {"impulse of the wall and its curve within 1 %", "mesh * 2", "lumped mass", "== Motion",
@@ -105,11 +157,12 @@ static const struct {
      0,
      {"Uniqueness: three answers, proved: r = 0 0; r = 2 -3; r = 1 -2.",
       "delassus solve --tol=1e-01 data/failures/c01-three-solutions.txt"}},
-    {"report bar-bounce --quick --accuracy .1 --of force,curve --text -o @",
+    /* momentum gives the impulse for nothing */
+    {"report bar-bounce --quick --accuracy .1 --of force --text -o @",
      "bar-bounce.html",
      0,
-     {"impulse of the wall and its curve within 10 %", "of the closed form, 533.333 N s",
-      "Its curve over the steps is within"}},
+     {"impulse of the wall and its curve within 10 %", "the closed form, 533.333 N s",
+      "the curve the worst", "curve over the steps (L2)", "energy drift"}},
     {"report data/failures/c05-hyperstatic.txt --quick --text -o @",
      "c05-hyperstatic.html",
      0,
@@ -193,7 +246,9 @@ static const struct {
                 {"report jean-fig -o @/r", "did you mean jean-fig3 or jean-fig4?"},
                 {"report nowhere.hdf5 -o @/r", "nowhere.hdf5"},
                 {"report jean-fig3 --accuracy 2", "--accuracy: '2' is not between 0 and 1"},
-                {"report jean-fig3 --of speed", "--of: 'speed' is not force, curve"},
+                {"report jean-fig3 --of speed", "--of: 'speed' is not a list of force, curve"},
+                {"report jean-fig3 --of force,", "--of: 'force,' is not a list"},
+                {"report jean-fig3 --of curve,drift", "it has none of 'curve,drift'"},
                 {"report jean-fig3 --cpu much", "--cpu: 'much' is not a number >= 0"},
                 {"report --W=@/no.txt --q=@/no.txt --mu=1 -o @/r", "no.txt"}};
 enum { mistake_count = sizeof mistakes / sizeof mistakes[0] };
@@ -205,7 +260,7 @@ START_TEST(mistakes_are_named) {
 END_TEST
 
 int main(void) {
-  return RUN("report", make_directory, remove_directory, ONCE(advice_holds),
+  return RUN("report", make_directory, remove_directory, ONCE(advice_holds), ONCE(pressure_holds),
              EACH(page_and_text, 0, report_count), ONCE(matrices_and_many_names),
              ONCE(without_gnuplot), ONCE(a_part_that_fails_leaves_the_page),
              EACH(mistakes_are_named, 0, mistake_count));
