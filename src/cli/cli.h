@@ -539,6 +539,10 @@ int was_interrupted(void); /* 1 after one of these signals */
  * end_at_once(0). For a command that reads, which takes no callback, and has begun no file. */
 void end_at_once(int on);
 void progress_end(void);
+/* Shows a task of many runs instead: its name (borrowed), its part, the share done of `whole` CPU
+ * seconds and what is left; without a terminal as lines, each 5 seconds. name = NULL: no more. */
+void progress_task(const char *name, double whole);
+void progress_part(const char *part);
 /* The same of a reduction, which calls every millisecond: silent with --verbose. */
 int show_reduction(void *data, const dls_progress *progress);
 

@@ -502,6 +502,37 @@ int was_interrupted(void) {
   return interrupted;
 }
 
+static struct {
+  const char *name, *part; /* NULL: none */
+  double start, whole;     /* CPU seconds */
+} task;
+
+void progress_task(const char *name, double whole) {
+  task.name = name && !is_quiet() && !is_verbose() ? name : NULL;
+  task.part = "";
+  task.start = cpu_seconds();
+  task.whole = whole;
+}
+
+void progress_part(const char *part) {
+  task.part = part;
+}
+
+/* Returns 1 if a line is to be shown now: on a terminal after half a second, each tenth; else, of a
+ * task, after 5 seconds, each 5. */
+static int progress_due(void) {
+  const int terminal = isatty(STDERR_FILENO);
+  const double now = clock_seconds(CLOCK_MONOTONIC);
+  if (first_shown == 0) first_shown = now;
+  if ((!terminal && !task.name) || now - first_shown < (terminal ? 0.5 : 5) ||
+      now - last_shown < (terminal ? 0.1 : 5))
+    return 0;
+  last_shown = now;
+  line_shown = terminal;
+  if (terminal) fputc('\r', stderr);
+  return 1;
+}
+
 int show_progress(void *data, const dls_progress *p) {
   (void)data;
   ends_at_once = 0;
@@ -514,16 +545,17 @@ int show_progress(void *data, const dls_progress *p) {
     fputs(p->last ? ", end\n" : "\n", stderr);
     return 0;
   }
-  if (p->last || is_quiet()) return 0;
-  const double now = clock_seconds(CLOCK_MONOTONIC);
-  if (first_shown == 0) first_shown = now;
-  if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
-  last_shown = now;
-  line_shown = 1;
-  fprintf(stderr, "\r%s: %d", p->stage, p->iteration);
-  if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
-  if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
-  fputs("\033[K", stderr);
+  if ((!task.name && (p->last || is_quiet())) || !progress_due()) return 0;
+  if (task.name) {
+    const double done = fmin(1, (cpu_seconds() - task.start) / task.whole);
+    fprintf(stderr, "%s: %s, %.0f %% done, at most %.0f s of CPU left", task.name, task.part,
+            100 * done, (1 - done) * task.whole);
+  } else {
+    fprintf(stderr, "%s: %d", p->stage, p->iteration);
+    if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
+    if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
+  }
+  fputs(line_shown ? "\033[K" : "\n", stderr);
   fflush(stderr);
   return 0;
 }

@@ -25,7 +25,7 @@ typedef struct report_options {
   double accuracy, cpu; /* cpu: seconds for a page; 0: own_cpu, quick_cpu */
   const char *of;       /* NULL: force,curve */
   int asked;            /* the same as bits */
-  int text, quick;
+  int text, quick, data;
   const char *out;
   source from;
 } report_options;
@@ -45,6 +45,7 @@ static void report_usage(FILE *out) {
       "                        drift (of energy); force,curve\n"
       "      --cpu=S           approximate CPU seconds for a page (60; --quick 20)\n"
       "      --quick           the verdict, the error budget and the contacts only\n"
+      "      --data            keep all files of a scene (else 20 MB: the largest ones go)\n"
       "      --text            print the page as text, too\n"
       "  -o, --out=DIR         folder for the pages (a new one under TMPDIR, which is "
       "printed)\n" LAST_USAGE "\n"
@@ -75,10 +76,33 @@ typedef struct report {
   const char *shown; /* the name that was given */
   page page;
   parts parts;
+  const budget *budget;     /* of a scene, or NULL */
+  const file_budget *rungs; /* of a file, or NULL */
   char slug[SLUG], file[SLUG + 8], folder[PATH_ROOM], verdict[PAGE_SENTENCE];
 } report;
 
 static int printed; /* pages in the object of --json */
+
+/* Prints the numbers of the first screen. */
+static void print_budget(const budget *b) {
+  char options[SETTING_ROOM];
+  const probe *take = &b->probe[b->take];
+  printf(", \"options\": ");
+  print_json_string(stdout, setting_text(b->scene, &take->at, 1, options));
+  printf(", \"cpu_seconds\": %.6g, \"answer\": ", take->got.seconds);
+  print_json_number(stdout, take->got.value);
+  fputs(", \"reference\": ", stdout);
+  print_json_number(stdout, b->reference);
+  for (quantity_of of = OF_FORCE; of < OF_COUNT; of++) {
+    if (!(b->scene->has >> of & 1)) continue;
+    printf(", \"%s\": {\"asked\": %s, \"error\": ", quantity_names[of],
+           b->of >> of & 1 ? "true" : "false");
+    print_json_number(stdout, budget_error(b, b->take, of) + b->doubt[of]);
+    fputs(", \"reference_error\": ", stdout);
+    print_json_number(stdout, b->doubt[of]);
+    putchar('}');
+  }
+}
 
 /* Prints a page as a field of the object. */
 static void print_page(const report *a, int met) {
@@ -90,6 +114,11 @@ static void print_page(const report *a, int met) {
   print_json_string(stdout, a->shown);
   printf(", \"met\": %s, \"verdict\": ", met ? "true" : "false");
   print_json_string(stdout, a->verdict);
+  if (a->budget) print_budget(a->budget);
+  if (a->rungs && a->rungs->take >= 0)
+    printf(", \"proved\": %s, \"tol\": %g, \"error\": %.6g, \"cpu_seconds\": %.6g",
+           a->rungs->proof.kind ? "true" : "false", a->rungs->tol[a->rungs->take],
+           a->rungs->error[a->rungs->take], a->rungs->seconds[a->rungs->take]);
   fputs("}", stdout);
 }
 
@@ -185,6 +214,7 @@ static void add_scene(report *a, const budget *b, const problem *p) {
   if (*p->note) page_say(&a->page, PAGE_NOTE, "The methods: %s.", p->note);
   add_parts(a);
   part_run(&a->parts, &b->probe[b->take].got);
+  if (!a->options->data) part_trim(&a->parts);
 }
 
 static int report_scene(report *a, const scene *s, const char *directory) {
@@ -212,6 +242,7 @@ static int report_scene(report *a, const scene *s, const char *directory) {
     return result;
   }
   budget_verdict(b, a->verdict, sizeof a->verdict);
+  a->budget = b;
   a->parts.scene = s;
   a->parts.take = &b->probe[b->take].at;
   const int no_problem = o->quick && s->kind != SCENE_AT_ONCE; /* it would take a run */
@@ -259,6 +290,7 @@ static int add_contact(report *a, const problem *p, const char *directory) {
     (void)complain_of(a->parts.name, &error);
   } else {
     file_verdict(b, a->verdict, sizeof a->verdict);
+    a->rungs = b;
     if (begin_page(a, directory)) {
       if (seconds > 0)
         page_say(&a->page, PAGE_PLAIN, "Speed: %.2g ms of CPU besides, to reduce K to W.",
@@ -327,12 +359,15 @@ static int report_name(const char *name, int number, const report_options *o,
   a->parts.name = name;
   a->parts.folder = a->folder;
   a->parts.cpu = part_share * o->cpu;
+  progress_task(a->shown, o->cpu);
   if (join_path(a->folder, directory, a->slug)) {
     if (matrices_given(&o->from.matrices) || !scene_find(name, &s, &status, &error))
       result = report_contact(a, directory);
     else
       result = status ? complain_of(name, &error) : report_scene(a, &s, directory);
   }
+  progress_task(NULL, 0);
+  progress_end();
   free(a);
   return result;
 }
@@ -354,6 +389,7 @@ int command_report(int argc, char **argv) {
                                        ROW(A_NUMBER, "cpu", 0, report_options, cpu),
                                        ROW(A_TEXT, "of", 0, report_options, of),
                                        ROW(A_FLAG, "quick", 0, report_options, quick),
+                                       ROW(A_FLAG, "data", 0, report_options, data),
                                        ROW(A_FLAG, "text", 0, report_options, text),
                                        ROW(A_TEXT, "out", 'o', report_options, out),
                                        SOURCE_OPTIONS(report_options, from),

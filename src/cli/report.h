@@ -187,4 +187,7 @@ void part_stability(parts *a);
 void part_run(parts *a, const scene_answer *got);
 void part_commands(const parts *a);
 
+/* Removes the largest files of the scene until 20 MB are left, and says so. */
+void part_trim(const parts *a);
+
 #endif

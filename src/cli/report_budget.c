@@ -55,6 +55,7 @@ static int run_probe(budget *b, const setting *at, const char *part, dls_error *
   if (b->probes == MOST_PROBES || b->status || was_interrupted() || seconds_left(b) <= 0) return -1;
   probe *p = &b->probe[b->probes];
   *p = (probe){.at = *at, .part = part};
+  progress_part(part);
   b->status = scene_run(b->scene, at, seconds_left(b), &p->got, error);
   return b->status || was_interrupted() ? -1 : b->probes++;
 }

@@ -3,12 +3,17 @@
  * this one, into folders beside the page, which takes their tables and pictures in. Each command
  * line is printed at the end of the page, so that every part can be drawn again.
  */
+#define _GNU_SOURCE
+#include <dirent.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "report.h"
 
 enum { MAP_OF_METHODS = 6, MAP_OF_STEPS = 4, STEP_CELLS = 24, METHODS = 13, MOST_TABLE = 40 };
+static const double most_megabytes = 20; /* of a scene's files beside the page */
 enum { most_rows_of_facts = 1500, most_contacts_of_fold = 40 };
 
 /* ---- commands -------------------------------------------------------------------------------- */
@@ -65,6 +70,7 @@ static int run_line(command_line *l, const parts *a, const char *what, int (*run
     if (k == 0) argv[count++] = quiet;
   }
   argv[count] = NULL;
+  progress_part(what);
   struct open_file *files = set_files_aside();
   const int result = run_command(run, argv, why);
   put_files_back(files);
@@ -256,6 +262,39 @@ void part_run(parts *a, const scene_answer *got) {
                                          "t,candidate_from_0,r_n,r_t,u_n,u_t,state"};
   page_say(a->page, PAGE_PLAIN, "The last rows of contact.csv:");
   (void)page_csv(a->page, path, "contact.csv", columns[kind], NULL, MOST_TABLE / 2);
+}
+
+/* Returns the size of the files in the folder, in MB, and finds the largest one of those that
+ * scenes write for every step. */
+static double folder_size(const char *folder, char largest[PATH_ROOM], double *most) {
+  DIR *list = opendir(folder);
+  char path[PATH_ROOM];
+  struct stat is;
+  double sum = 0;
+  *most = 0;
+  for (struct dirent *d; list && (d = readdir(list)) != NULL;) {
+    if (!join_path(path, folder, d->d_name) || lstat(path, &is) || !S_ISREG(is.st_mode)) continue;
+    const double size = 1e-6 * (double)is.st_size;
+    sum += size;
+    if (size <= *most || (strncmp(d->d_name, "step_", 5) && strncmp(d->d_name, "tools_", 6) &&
+                          strcmp(d->d_name, "contact.csv") != 0))
+      continue;
+    *most = size;
+    memcpy(largest, path, sizeof path);
+  }
+  if (list) (void)closedir(list);
+  return sum;
+}
+
+void part_trim(const parts *a) {
+  char path[PATH_ROOM], largest[PATH_ROOM];
+  double most, left_out = 0;
+  if (!join_path(path, a->folder, "scene")) return;
+  while (folder_size(path, largest, &most) > most_megabytes && most > 0 && !unlink(largest))
+    left_out += most;
+  if (left_out > 0)
+    page_say(a->page, PAGE_NOTE,
+             "Left out: %.0f MB of the largest files of the scene; --data keeps them.", left_out);
 }
 
 void part_commands(const parts *a) {

@@ -240,6 +240,44 @@ START_TEST(a_part_that_fails_leaves_the_page) {
 }
 END_TEST
 
+/* Of the files of steps 20 MB stay, and all with --data; nothing else is removed. */
+START_TEST(data_of_twenty_megabytes) {
+  static const char *const options[] = {"", "--data"};
+  for (int k = 0; k < 2; k++) {
+    char command[600];
+    (void)snprintf(command, sizeof command,
+                   "cd %s && rm -rf bar-fixed && mkdir -p bar-fixed/scene && cd bar-fixed/scene && "
+                   "truncate -s 21000000 step_9999.vtu && truncate -s 12000000 own.vtu",
+                   directory);
+    ck_assert_int_eq(system(command), 0);
+    (void)snprintf(command, sizeof command, "report bar-fixed --quick --cpu=1 --json -o @ %s",
+                   options[k]);
+    ck_assert_int_eq(run(command), 0);
+    ck_assert_double_eq(number_of("reference"), 2);
+    ck_assert_double_gt(number_of("cpu_seconds"), 0);
+    (void)snprintf(command, sizeof command,
+                   "cd %s/bar-fixed/scene && test %s -e step_9999.vtu && test -e own.vtu",
+                   directory, k ? "" : "!");
+    ck_assert_int_eq(system(command), 0);
+    ck_assert_int_eq(strstr(contents("bar-fixed.html"), "Left out: 21 MB") != NULL, !k);
+  }
+}
+END_TEST
+
+/* After five seconds stderr has a line with part, share and time. */
+START_TEST(progress_is_shown) {
+  ck_assert_int_eq(run("report bar-bounce --quick --accuracy=1e-5 --cpu=8 -o @/s"), 0);
+  const char *line = strstr(output, "bar-bounce: ");
+  int share, left;
+  char part[40];
+  ck_assert_msg(line && sscanf(line, "bar-bounce: %39[^,], %d %% done, at most %d s of CPU left",
+                               part, &share, &left) == 3,
+                "%s", output);
+  ck_assert_int_le(share, 100);
+  ck_assert_int_le(left, 8);
+}
+END_TEST
+
 static const struct {
   const char *typed, *answer;
 } mistakes[] = {{"report", "too few or too many names"},
@@ -263,5 +301,6 @@ int main(void) {
   return RUN("report", make_directory, remove_directory, ONCE(advice_holds), ONCE(pressure_holds),
              EACH(page_and_text, 0, report_count), ONCE(matrices_and_many_names),
              ONCE(without_gnuplot), ONCE(a_part_that_fails_leaves_the_page),
+             ONCE(data_of_twenty_megabytes), ONCE(progress_is_shown),
              EACH(mistakes_are_named, 0, mistake_count));
 }
