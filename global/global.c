@@ -217,6 +217,7 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
   work->m = work->d * work->nc;
   work->whole.factorization = model->factorization;
   if (solver) work->solver = *solver;
+  work->spread.rows = work->n;
   if (body) work->body = *body;
   global_take(work, &of);
   dlsi_arena arena = {0};
@@ -250,6 +251,8 @@ dls_status dls_global_create_with(dls_global **out, const dls_model *model,
   dls_status status = solver ? DLS_OK : dlsi_is_null(error, "solver");
   if (!status && !solver->prepare) status = dlsi_is_null(error, "solver.prepare");
   if (!status && !solver->solve) status = dlsi_is_null(error, "solver.solve");
+  if (!status && !solver->block && solver->apply) status = dlsi_is_null(error, "solver.block");
+  if (!status && solver->block && !solver->apply) status = dlsi_is_null(error, "solver.apply");
   if (!status) status = global_create(out, model, NULL, solver, error);
   return dlsi_at(__func__, status, error);
 }

@@ -22,6 +22,14 @@
 
 /* ---- the workspace --------------------------------------------------------------------------- */
 
+/* What a rank does with vectors of n of which it has rows of its own. */
+typedef struct dlsi_spread_rows {
+  int first, rows;
+  void (*sum)(void *data, double *x, int count); /* x := the sums of all ranks; NULL: one process */
+  void (*gather)(void *data, double *x);         /* takes the rows of the others */
+  void *data;
+} dlsi_spread_rows;
+
 /* *proved := 1 if no answer exists. */
 typedef dls_status (*dlsi_global_proof)(void *data, int *proved, dls_error *error);
 
@@ -40,7 +48,8 @@ struct dls_global {
   int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in place of system, if it has functions */
-  dlsi_global_proof prove;  /* in place of motion.c, or NULL */
+  dlsi_spread_rows spread;
+  dlsi_global_proof prove; /* in place of motion.c, or NULL */
   void *prover;
   double *R;       /* m: rho D^-1, for the solver */
   double accuracy; /* asked of the solver's next solve */
@@ -111,8 +120,9 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
 
 /* Call a host's function in the environment of the host (base.h), as dls_global_solver says. Return
  * its answer as a status of the solve. Fill *error if the host has not. */
-dls_status dlsi_host_prepare(const dls_global_solver *solver, const double *R, dls_error *error);
-dls_status dlsi_host_solve(const dls_global_solver *solver, const double *b, double *x,
+dls_status dlsi_host_prepare(dls_global_prepare_fn prepare, void *data, const double *R,
+                             dls_error *error);
+dls_status dlsi_host_solve(dls_global_solve_fn solve, void *data, const double *b, double *x,
                            double accuracy, dls_error *error);
 
 /* Asks a host's solver for an accuracy that suits this relative change of q, NaN for 0 / 0. */
@@ -162,6 +172,22 @@ dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t
  * reactions are not determined, 0 for a host's solver or more than 1,000 unknowns and reactions.
  * Spoils x, r, u, before. DLS_OK or an error. */
 dls_status dlsi_global_accuracy(dls_global *work, double *predicted, dls_error *error);
+
+/* ---- krylov.c -------------------------------------------------------------------------------- */
+
+/* A z = b with a preconditioner. Vectors have n + k entries. */
+typedef struct dlsi_krylov {
+  int n, k;
+  dlsi_spread_rows spread;
+  void *data;
+  void (*apply)(void *data, const double *z, double *w);
+  dls_status (*precondition)(void *data, double *b, double *z, dls_error *error);
+} dlsi_krylov;
+
+/* z := about A^-1 b, |b - A z| <= eta |b| if 30 steps are enough. Spoils b.
+ * DLS_E_MEMORY, or what the preconditioner returns. */
+dls_status dlsi_krylov_solve(const dlsi_krylov *of, double eta, double *b, double *z,
+                             dls_error *error);
 
 /* ---- scatter.c ------------------------------------------------------------------------------- */
 

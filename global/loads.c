@@ -23,7 +23,7 @@ static dls_status loads_solve(void *data, double *x, dls_error *error) {
   if (work->system) return dlsi_system_solve(work->system, x, error);
   memcpy(work->y, x, (size_t)work->n * sizeof *x);
   memset(x, 0, (size_t)work->n * sizeof *x);
-  return dlsi_host_solve(&work->solver, work->y, x, host_accuracy, error);
+  return dlsi_host_solve(work->solver.solve, work->solver.data, work->y, x, host_accuracy, error);
 }
 
 int dlsi_global_is_split(const dls_global *global) {

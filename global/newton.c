@@ -32,6 +32,13 @@
  *   (GN5)  The error of an answer is the length of the next step. The step is taken if the
  *          certificate gets no worse; its own error is that of one more. Where W of the contacts
  *          that carry is singular, delta alone holds their reactions: they are not determined.
+ *   (GN6)  A host with a preconditioner M of P = K + H B H^T has no LU: FGMRES (krylov.c) on (GN2),
+ *          its second row in the unit of forces, with
+ *            B = sum b_j G_j G_j^T,  b_j = min(1 / L_j, 20): rows that a contact holds are stiff
+ *            dx := M (v_x + H F b v_y),  dy := b (v_y - G^T H^T dx)
+ *          P is symmetric; the mu t of F is left to FGMRES. s = 1/10: the compliance of a surface,
+ *          against that of a node with its neighbours held. 30 steps. P is made anew if a state
+ *          changes. No E: if the states leave a motion free, M may fail, and the splitting goes on.
  *
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */
@@ -41,7 +48,13 @@
 #include "global_internal.h"
 #include "solved.h"
 
-enum { most_steps = 12, patience = 3, most_scattered = 30, most_predicted = 1000 };
+enum {
+  most_steps = 12,
+  patience = 3,
+  most_scattered = 30,
+  host_patience = 6,
+  most_predicted = 1000
+};
 
 static const double delta = 1e-9;
 static const double least_beta = 1e-10;  /* R / |tau|: keeps l finite if R vanishes */
@@ -50,6 +63,9 @@ static const double least_hold = 1e-10;  /* (GN5) where the states leave a motio
 static const double at_bound = 1e-6;     /* of R: a reaction on its cone */
 static const double undetermined = 1e-3; /* of 1 / delta (GN5) */
 static const double stale = 0.1;         /* ratio of residuals above which factors are renewed */
+/* (GN6): s; stiffness of P over the local one where a contact holds; accuracy asked of M, and of a
+ * step at most; of the last step over what tol asks */
+static const double host_s = 0.1, held = 20, rough = 0.1, loose = 0.05, close_by = 0.3;
 
 /* A contact under (GN1). */
 typedef struct branch {
@@ -69,6 +85,7 @@ typedef struct newton {
   int spatial;       /* 1: some contact slips in 3D */
   double hold;       /* E of (GN2) is hold E */
   double s;          /* of (GN1) */
+  double *w, unit;   /* (GN6): max(n + m, d m); of the rows of contact */
   uint64_t draw;     /* (GN4): where the draws are; 0: none */
 } newton;
 
@@ -148,9 +165,136 @@ static void newton_base(const newton *N, double *r) {
   }
 }
 
+/* Returns L of unknown j of a contact. */
+static double branch_law(const branch *b, int j) {
+  return delta + (j == 1 && b->state == DLS_SLIP ? b->l : 0);
+}
+
+/* ---- (GN6) ----------------------------------------------------------------------------------- */
+
+static void newton_multiply(const dls_global *work, const double *x, double *y) {
+  if (work->body.multiply)
+    work->body.multiply(work->body.data, x, y, NULL);
+  else
+    dlsi_body_multiply(&work->model, x, y, NULL);
+}
+
+/* Returns the stiffness of unknown j in the preconditioner. */
+static double newton_stiffness(const branch *b, int j) {
+  return fmin(1 / branch_law(b, j), held);
+}
+
+/* e := G^T H^T x for the unknowns of contact. */
+static void newton_tests(const newton *N, const double *x, double *e) {
+  const dls_global *work = N->global;
+  const dlsi_columns *H = &work->H;
+  const int d = work->d;
+  for (int c = 0; c < work->nc; c++) {
+    double u[3] = {0};
+    for (int i = 0; i < d && N->of[c].count; i++)
+      for (int k = H->p[d * c + i]; k < H->p[d * c + i + 1]; k++)
+        u[i] += H->x[k] * x[H->i[k]];
+    for (int j = 0; j < N->of[c].count; j++) {
+      double G[3];
+      branch_vector(d, work->bend[c], &N->of[c], j, 1, G);
+      e[N->of[c].first + j] = G[0] * u[0] + G[1] * u[1] + G[2] * u[2];
+    }
+  }
+}
+
+/* Gives the host P. */
+static dls_status newton_block(newton *N, dls_error *error) {
+  const dls_global *work = N->global;
+  const int d = work->d;
+  double *B = N->w;
+  memset(B, 0, (size_t)(d * work->m) * sizeof *B);
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const double stiffness = newton_stiffness(&N->of[c], j), *root = work->root + d * c;
+      double G[3];
+      branch_vector(d, work->bend[c], &N->of[c], j, 1, G);
+      for (int k = 0; k < d * d; k++)
+        B[d * d * c + k] += stiffness * G[k % d] * G[k / d] / (root[k % d] * root[k / d]);
+    }
+  return dlsi_host_prepare(work->solver.block, work->solver.data, B, error);
+}
+
+/* Returns the unit of the rows of contact: force / work^1/2. */
+static double newton_unit(const dls_global *work) {
+  double w = 0;
+  for (int c = 0; c < work->nc; c++)
+    w += work->w[2 * c] / work->nc;
+  return 1 / sqrt(w);
+}
+
+/* w := A z */
+static void newton_apply(void *data, const double *z, double *w) {
+  newton *N = data;
+  dls_global *work = N->global;
+  const int d = work->d, n = work->n;
+  double *s = work->look;
+  newton_multiply(work, z, w);
+  memset(s, 0, (size_t)work->m * sizeof *s);
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const branch *b = &N->of[c];
+      double F[3];
+      branch_vector(d, work->bend[c], b, j, 0, F);
+      for (int i = 0; i < d; i++)
+        s[d * c + i] -= F[i] * z[n + b->first + j];
+    }
+  dlsi_global_push(work, s, w);
+  newton_tests(N, z, w + n);
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const int at = n + N->of[c].first + j;
+      w[at] = N->unit * (w[at] + branch_law(&N->of[c], j) * z[at]);
+    }
+}
+
+static dls_status newton_precondition(void *data, double *b, double *z, dls_error *error) {
+  newton *N = data;
+  dls_global *work = N->global;
+  const int d = work->d, n = work->n;
+  double *s = work->look;
+  memset(s, 0, (size_t)work->m * sizeof *s);
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const branch *at = &N->of[c];
+      double F[3];
+      branch_vector(d, work->bend[c], at, j, 0, F);
+      for (int i = 0; i < d; i++)
+        s[d * c + i] += F[i] * newton_stiffness(at, j) * b[n + at->first + j] / N->unit;
+    }
+  dlsi_global_push(work, s, b);
+  memset(z, 0, (size_t)n * sizeof *z);
+  const dls_status status =
+      dlsi_host_solve(work->solver.apply, work->solver.data, b, z, rough, error);
+  if (status) return status;
+  newton_tests(N, z, z + n);
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const int at = n + N->of[c].first + j;
+      z[at] = newton_stiffness(&N->of[c], j) * (b[at] / N->unit - z[at]);
+    }
+  return DLS_OK;
+}
+
+/* v := about A^-1 v */
+static dls_status newton_krylov(newton *N, double eta, dls_error *error) {
+  const dls_global *work = N->global;
+  const dlsi_krylov of = {work->n, N->unknowns, work->spread, N, newton_apply, newton_precondition};
+  for (int k = 0; k < N->unknowns; k++)
+    N->v[work->n + k] *= N->unit;
+  const dls_status status = dlsi_krylov_solve(&of, eta, N->v, N->w, error);
+  memcpy(N->v, N->w, (size_t)(work->n + N->unknowns) * sizeof *N->v);
+  return status;
+}
+
 /* (GN2) */
 static dls_status newton_factor(newton *N, dls_error *error) {
   const dls_global *work = N->global;
+  if (!work->system) return newton_block(N, error);
   const dls_sparse *K = &work->model.Ks;
   const dlsi_columns *H = &work->H;
   const int d = work->d, n = work->n, symmetric = work->model.factorization != DLS_LU;
@@ -175,17 +319,19 @@ static dls_status newton_factor(newton *N, dls_error *error) {
           if (F[i] != 0) dlsi_triplets_add(t, H->i[k], at, -F[i] * H->x[k]);
           if (G[i] != 0) dlsi_triplets_add(t, at, H->i[k], G[i] * H->x[k]);
         }
-      dlsi_triplets_add(t, at, at, delta + (j == 1 && N->of[c].state == DLS_SLIP ? N->of[c].l : 0));
+      dlsi_triplets_add(t, at, at, branch_law(&N->of[c], j));
     }
   return dlsi_general_factor(&N->general, t, error);
 }
 
+/* ---- the steps ------------------------------------------------------------------------------- */
+
 /* (GN2), (GN3) */
-static dls_status newton_step(newton *N, double *r, dls_error *error) {
+static dls_status newton_step(newton *N, double *r, double eta, dls_error *error) {
   dls_global *work = N->global;
   const int d = work->d, n = work->n;
   double *v = N->v;
-  dlsi_body_multiply(&work->model, work->x, v, NULL);
+  newton_multiply(work, work->x, v);
   for (int j = 0; j < n; j++)
     v[j] = work->f[j] - v[j];
   dlsi_global_push(work, r, v);
@@ -199,7 +345,8 @@ static dls_status newton_step(newton *N, double *r, dls_error *error) {
                (b->state == DLS_SLIP && j == 1 && i > 0 ? b->l * b->p[i] * r[d * c + i] : 0);
       v[n + b->first + j] = -sum;
     }
-  const dls_status status = dlsi_general_solve(&N->general, 0, v, error);
+  const dls_status status =
+      work->system ? dlsi_general_solve(&N->general, 0, v, error) : newton_krylov(N, eta, error);
   if (status) return status;
   for (int j = 0; j < n; j++)
     work->x[j] += v[j];
@@ -226,18 +373,25 @@ static void states_of_r(dls_global *work, const double *r) {
   }
 }
 
+/* Returns the accuracy of a step's equations: its error is quadratic if no state has changed. */
+static double newton_accuracy(const dls_global *work, double residual, int changed) {
+  const double last = close_by * work->limits->tol / residual;
+  return changed ? loose : fmin(loose, fmax(last, residual));
+}
+
 static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *error) {
   dls_global *work = N->global;
   double before = INFINITY, least = INFINITY;
   int slow = 0, fresh = 0;
-  const int most = N->draw ? most_scattered : most_steps;
-  for (int step = 0; step < most && (slow < patience || N->draw); step++) {
+  const int most = N->draw || !work->system ? most_scattered : most_steps;
+  for (int step = 0; step < most && (slow < (work->system ? patience : host_patience) || N->draw);
+       step++) {
     if (step == 0 && work->from_r) states_of_r(work, r);
     const int changed = newton_sort(N, r, step == 0), fades = N->draw && N->hold > 0;
     if (step == 0 && work->from_r) dlsi_global_look(work, work->x, work->u);
     newton_base(N, r);
     if (fades) N->hold = N->hold > hold ? N->hold * fade : 0;
-    if (step == 0 || changed || fades || (N->spatial && !fresh)) {
+    if (step == 0 || changed || fades || (N->spatial && !fresh && work->system)) {
       dls_status status = newton_factor(N, error);
       work->factorisations++;
       if (status == DLS_E_SINGULAR && N->hold < hold) {
@@ -247,11 +401,12 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
       }
       if (status) return status;
     }
-    dls_status status = newton_step(N, r, error);
+    dls_status status = newton_step(N, r, newton_accuracy(work, before, changed), error);
     if (status) return status;
     dls_certificate now;
     status = dlsi_global_measure(work, r, &now);
-    if (status != DLS_STALLED) return status;
+    const int splits = status == dlsi_split_first && !work->system; /* left to the splitting */
+    if (status != DLS_STALLED && !splits) return status;
     status = dlsi_tell(work->limits, work->begun,
                        &(dls_progress){.method = "global",
                                        .stage = N->draw ? "scatter" : "newton",
@@ -260,6 +415,7 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
                                        .residual = now.residual,
                                        .r = work->trial});
     if (status) return status;
+    if (!work->system && ++work->iterations == work->limits->max_iterations) break;
     const double badness = dlsi_body_badness(&now);
     if (!(badness <= DBL_MAX)) break;
     slow = badness < least / 2 ? 0 : slow + 1;
@@ -272,17 +428,24 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
 
 static dls_status newton_create(newton *N, dls_global *work, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m;
-  const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m +
-                         6 * (size_t)work->H.p[m]; /* slip: H_n alone, H_n and H_t p, twice */
-  *N = (newton){
-      .global = work, .hold = work->system->hold, .s = work->is_split ? fmin(1, work->rho) : 1};
-  const dls_status status =
-      dlsi_triplets_alloc(work->n + work->m, work->n + work->m, entries, &N->t, error);
+  const size_t of_host = work->system ? 0 : n + (size_t)work->d * m;
+  dls_status status = DLS_OK;
+  *N = (newton){.global = work,
+                .hold = work->system ? work->system->hold : 0,
+                .s = work->is_split ? fmin(1, work->rho)
+                     : work->system ? 1
+                                    : host_s,
+                .unit = newton_unit(work)};
+  if (work->system) /* slip: H_n alone, H_n and H_t p, twice */
+    status = dlsi_triplets_alloc(work->n + work->m, work->n + work->m,
+                                 2 * (size_t)work->model.Ks.p[n] + n + m + 6 * (size_t)work->H.p[m],
+                                 &N->t, error);
   N->of = calloc((size_t)work->nc + 1, sizeof *N->of);
-  N->v = dlsi_alloc(2 * n + m, sizeof *N->v);
+  N->v = dlsi_alloc(2 * n + m + of_host, sizeof *N->v);
   if (status) return status;
   if (!N->of || !N->v) return dlsi_no_memory(error);
   N->x = N->v + n + m;
+  N->w = N->x + n;
   return DLS_OK;
 }
 
@@ -325,7 +488,7 @@ static dls_status accuracy_step(newton *N, const double *from, double *r, double
   double most = 0, move = 0;
   memcpy(r, from, (size_t)work->m * sizeof *r);
   newton_base(N, r);
-  const dls_status status = newton_step(N, r, error);
+  const dls_status status = newton_step(N, r, 0, error);
   for (int k = 0; k < work->m; k++) {
     most = fmax(most, fabs(r[k] / work->root[k]));
     move = fmax(move, fabs((r[k] - from[k]) / work->root[k]));

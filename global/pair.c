@@ -27,23 +27,24 @@ static dls_status host_answer(dls_status answer, dls_error *error) {
   return answer;
 }
 
-dls_status dlsi_host_prepare(const dls_global_solver *solver, const double *R, dls_error *error) {
+dls_status dlsi_host_prepare(dls_global_prepare_fn prepare, void *data, const double *R,
+                             dls_error *error) {
   dls_error none = {0}, *why = error ? error : &none;
   dlsi_host own;
   why->status = DLS_OK;
   dlsi_go_out(&own);
-  const dls_status answer = solver->prepare(solver->data, R, why);
+  const dls_status answer = prepare(data, R, why);
   dlsi_come_in(&own);
   return host_answer(answer, why);
 }
 
-dls_status dlsi_host_solve(const dls_global_solver *solver, const double *b, double *x,
+dls_status dlsi_host_solve(dls_global_solve_fn solve, void *data, const double *b, double *x,
                            double accuracy, dls_error *error) {
   dls_error none = {0}, *why = error ? error : &none;
   dlsi_host own;
   why->status = DLS_OK;
   dlsi_go_out(&own);
-  const dls_status answer = solver->solve(solver->data, b, x, accuracy, why);
+  const dls_status answer = solve(data, b, x, accuracy, why);
   dlsi_come_in(&own);
   return host_answer(answer, why);
 }
@@ -53,7 +54,7 @@ dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
   if (!work->solver.prepare) return dlsi_system_factor(work->system, work->rho, error);
   for (int k = 0; k < work->m; k++)
     work->R[k] = work->rho / (work->root[k] * work->root[k]);
-  return dlsi_host_prepare(&work->solver, work->R, error);
+  return dlsi_host_prepare(work->solver.prepare, work->solver.data, work->R, error);
 }
 
 void dlsi_global_look(const dls_global *work, const double *x, double *u) {
@@ -82,8 +83,9 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   for (int k = 0; k < work->m; k++)
     work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
   dlsi_global_push(work, work->look, y);
-  const dls_status status = A ? dlsi_system_solve(work->system, y, error)
-                              : dlsi_host_solve(&work->solver, y, work->x, work->accuracy, error);
+  const dls_status status =
+      A ? dlsi_system_solve(work->system, y, error)
+        : dlsi_host_solve(work->solver.solve, work->solver.data, y, work->x, work->accuracy, error);
   if (status) return status;
   if (A) memcpy(work->x, y, (size_t)work->n * sizeof *y);
   dlsi_global_look(work, work->x, work->u);

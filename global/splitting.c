@@ -26,9 +26,11 @@
  *            else                                     rho / 10, 10 rho, rho / 100, .. in turn
  *          A change keeps r and z, and costs a factorisation. rho starts at .35 of the local
  *          stiffness: 1/4 suits contacts that open, 1 contacts that stay.
- *   (GL8)  Newton steps (newton.c) end the iteration if no state has changed between two measures
- *          and the splitting would need more than 200 further iterations. That is the cost of an
- *          LU: 100 to 330 iterations for strips and plates of 2,000 to 40,000 unknowns.
+ *   (GL8)  A host with a preconditioner begins with Newton steps, and tries them again after 20
+ *          iterations. Otherwise Newton steps (newton.c) end the iteration if no state has changed
+ *          between two measures and the splitting would need more than 200 further iterations.
+ *          That is the cost of an LU: 100 to 330 iterations for strips and plates of 2,000 to
+ *          40,000 unknowns.
  *   (GL9)  If equilibrium is the worst part and stands still, look once for a motion that nothing
  *          can hold (motion.c).
  *   (GL10) If nothing has halved for 500 iterations, try once the fixed point of s = mu |u_t| by
@@ -183,7 +185,9 @@ static void split_advance(dls_global *work, int accelerate, double gap, double *
 /* (GL8) Returns 1 if enough iterations are left to pay for the factors of Newton steps. */
 static int newton_is_due(const dls_global *work, int k, int changed, const dls_certificate *now,
                          const schedule *s) {
-  if (changed || k < s->newton || work->nc == 0 || !work->system) return 0;
+  if (k < s->newton || work->nc == 0) return 0;
+  if (!work->system) return work->solver.apply != NULL;
+  if (changed) return 0;
   const double gain = s->residual / now->residual, left = now->residual / work->limits->tol;
   return !(gain > 1) || log(left) / log(gain) * measure_every > worth;
 }
@@ -350,10 +354,18 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   dlsi_global_look(work, work->x, work->u);
   dls_status status = dlsi_global_measure(work, work->r, &now);
   if (status != DLS_STALLED) return status;
+  const double begun = dlsi_body_badness(&work->best);
+  if (work->solver.apply && m > 0) { /* (GL8) */
+    memcpy(work->before, work->r, (size_t)m * sizeof *work->r);
+    status = dlsi_global_newton(work, work->before, 0, 0, error);
+    if (status != DLS_STALLED) return status;
+    dlsi_global_look(work, work->x, work->u);
+  }
   status = dlsi_global_factor(work, error);
   for (int k = 0; k < m; k++)
     work->q[k] = work->r[k] - work->rho * work->u[k];
   memset(work->z, 0, (size_t)m * sizeof *work->z);
+  split_resume(work, begun);
   for (int k = 1; !status && work->iterations < most; k++) {
     work->iterations++;
     dlsi_put_on_discs(work->d, work->nc, work->bend, work->q, work->r); /* (GL1) */

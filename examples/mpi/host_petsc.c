@@ -1,7 +1,9 @@
-/* host_petsc.c: PETSc as the host on several ranks, with its own solver for K + H R H^T: conjugate
- * gradients and algebraic multigrid, for models that are too large for a factor. A block of cubic
- * elements is glued to a plate above and pressed on a rough, curved floor that moves sideways. Each
- * rank gives the library the rows of the distributed Mat that it owns.
+/* host_petsc.c: PETSc as the host on several ranks, with its algebraic multigrid in the place of a
+ * factor, for models that are too large for one. The library takes Newton steps: one cycle of
+ * multigrid (-pc_type gamg, ml, hypre) for each vector of its FGMRES. Where these fail, conjugate
+ * gradients solve with K + H R H^T. A block of cubic elements is glued to a plate above and pressed
+ * on a rough, curved floor that moves sideways. Each rank gives the library the rows of the
+ * distributed Mat that it owns.
  *
  * mpirun -np 4 build/examples/mpi/host_petsc [CELLS [HEIGHT]]    counts and memory are printed, too
  * Output:
@@ -127,6 +129,9 @@ typedef struct solver {
   int nodes;
   const int *normal, *tangent; /* rows of H of this rank's contact nodes, one entry each */
   int solves, iterations;
+  Mat K, P; /* P = K + H R H^T of blocks, the matrix of `cycle` */
+  PC cycle;
+  int cycles;
 } solver;
 
 /* Adds the change of H R H^T, which is diagonal here, to A. */
@@ -174,8 +179,51 @@ static dls_status solver_solve(void *data, const double *b, double *x, double ac
   return solver_run(data, b, x, accuracy) ? DLS_E_SINGULAR : DLS_OK;
 }
 
+/* Makes P, with blocks on the unknowns of each contact node, and multigrid for it. */
+static PetscErrorCode solver_join(solver *s, const double *R) {
+  PetscCall(PCDestroy(&s->cycle));
+  PetscCall(MatDestroy(&s->P));
+  PetscCall(MatDuplicate(s->K, MAT_COPY_VALUES, &s->P));
+  for (int c = 0; c < s->nodes; c++) {
+    const int at[] = {s->normal[c], s->tangent[2 * c], s->tangent[2 * c + 1]};
+    PetscCall(MatSetValues(s->P, 3, at, 3, at, R + 9 * c, ADD_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(s->P, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(s->P, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatSetOption(s->P, MAT_SPD, PETSC_TRUE));
+  PetscCall(PCCreate(PETSC_COMM_WORLD, &s->cycle));
+  PetscCall(PCSetType(s->cycle, PCGAMG));
+  PetscCall(PCSetFromOptions(s->cycle));
+  PetscCall(PCSetOperators(s->cycle, s->P, s->P));
+  PetscCall(PCSetUp(s->cycle));
+  return 0;
+}
+
+static dls_status solver_block(void *data, const double *R, dls_error *error) {
+  (void)error;
+  return solver_join(data, R) ? DLS_E_MEMORY : DLS_OK;
+}
+
+static PetscErrorCode solver_cycle(solver *s, const double *b, double *x) {
+  PetscCall(VecPlaceArray(s->b, b));
+  PetscCall(VecPlaceArray(s->x, x));
+  PetscCall(PCApply(s->cycle, s->b, s->x));
+  PetscCall(VecResetArray(s->b));
+  PetscCall(VecResetArray(s->x));
+  s->cycles++;
+  return 0;
+}
+
+static dls_status solver_apply(void *data, const double *b, double *x, double accuracy,
+                               dls_error *error) {
+  (void)accuracy;
+  (void)error;
+  return solver_cycle(data, b, x) ? DLS_E_SINGULAR : DLS_OK;
+}
+
 static PetscErrorCode solver_create(solver *s, Mat K) {
   PC multigrid;
+  s->K = K;
   PetscCall(MatDuplicate(K, MAT_COPY_VALUES, &s->A));
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
   PetscCall(MatCreateVecs(K, &s->added, NULL));
@@ -193,6 +241,9 @@ static PetscErrorCode solver_create(solver *s, Mat K) {
 
 static PetscErrorCode solver_destroy(solver *s) {
   PetscCall(KSPDestroy(&s->krylov));
+  PetscCall(PCDestroy(&s->cycle));
+  PetscCall(MatDestroy(&s->P));
+  PetscCall(MatDestroy(&s->K));
   PetscCall(MatDestroy(&s->A));
   PetscCall(VecDestroy(&s->added));
   PetscCall(VecDestroy(&s->b));
@@ -227,10 +278,12 @@ static void print_counts(const solver *s, const dls_info *info, double seconds) 
   double mine = 1e-3 * (double)used.ru_maxrss, sum;
   (void)MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
   (void)PetscPrintf(PETSC_COMM_WORLD,
-                    "%d outer iterations, %d matrices, %.1f Krylov iterations a solve, residual "
+                    "%d outer iterations, %d matrices, %d cycles of Newton steps, %.1f Krylov "
+                    "iterations a solve, residual "
                     "%.2e, %.0f s, %.0f MB on all ranks\n",
-                    info->iterations, info->factorisations, (double)s->iterations / s->solves,
-                    info->certificate.residual, seconds, sum);
+                    info->iterations, info->factorisations, s->cycles,
+                    (double)s->iterations / (s->solves ? s->solves : 1), info->certificate.residual,
+                    seconds, sum);
 }
 
 static void *room(size_t count, size_t size) {
@@ -278,12 +331,11 @@ int main(int argc, char **argv) {
                                col, value,        nodes,       HN,      HT};
 
   solver s = {.nodes = nodes, .normal = normal, .tangent = tangent};
-  const dls_global_solver how = {&s, solver_prepare, solver_solve};
+  const dls_global_solver how = {&s, solver_prepare, solver_solve, solver_block, solver_apply};
   dls_info info = {0};
   dls_error error = {0};
   const double begun = MPI_Wtime();
   PetscCall(solver_create(&s, K));
-  PetscCall(MatDestroy(&K));
   dls_status status = contact_solve(&model, &how, g, mu, r, x, &info, &error);
   int touching, here = nodes;
   double mine[2] = {0, 0}, sum[2];

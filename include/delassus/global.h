@@ -52,17 +52,28 @@ typedef dls_status (*dls_global_solve_fn)(void *data, const double *b, double *x
  * that A is positive definite where K is semidefinite and no motion that K leaves free leaves every
  * contact where it is. Both functions are called by dls_global_solve alone, from its thread, never
  * two at a time. An error (< 0) that they return ends the solve as its status, a number > 0 as
- * DLS_CANCELLED; *error, not NULL, is theirs to fill or to leave. */
+ * DLS_CANCELLED; *error, not NULL, is theirs to fill or to leave.
+ *
+ * block and apply are optional. With them a solve begins with Newton steps, whose equations FGMRES
+ * solves; prepare and solve are called where these fail. The R of block are d x d blocks, one for
+ * each contact, in P = K + H R H^T: symmetric, positive semidefinite, 20 times the local stiffness
+ * in directions that a contact holds. apply returns x = about P^-1 b by any preconditioner of P,
+ * which may differ from call to call: one cycle of multigrid, a factor. x is 0 in; accuracy is 0.1
+ * and may be ignored. Where a motion is free, P is singular: apply may return anything, or
+ * DLS_E_SINGULAR, which ends the steps and not the solve. */
 typedef struct dls_global_solver {
   void *data; /* the host's; the library passes it on and never frees it */
   dls_global_prepare_fn prepare;
   dls_global_solve_fn solve;
+  dls_global_prepare_fn block; /* of Newton steps, as apply; both or none */
+  dls_global_solve_fn apply;
 } dls_global_solver;
 
 /* Works as dls_global_create, with the host's solver in place of a factor: for models that are too
  * large for a factor. *solver is copied; its data must live until dls_global_destroy. The host
- * knows K and H (n x m: the active contacts, local order) and adds up A, or applies it. Newton
- * steps and proofs, which factorise, are left out: it never returns DLS_NO_SOLUTION. After
+ * knows K and H (n x m: the active contacts, local order) and adds up A, or applies it. Proofs,
+ * which factorise, are left out: it never returns DLS_NO_SOLUTION. Without block and apply there
+ * are no Newton steps; with them a solve allocates up to 61 vectors of n + m for these. After
  * dls_global_update the host has the new values of K and H before the next solve. */
 DLS_API DLS_MUST_USE dls_status dls_global_create_with(dls_global **out, const dls_model *model,
                                                        const dls_global_solver *solver,
@@ -83,7 +94,8 @@ DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_
  *           x is 0, from the x that the states of r have
  *   r       reactions, m: in for a warm start, out                      force (impulse)
  *   x       unknowns, n: in for a warm start, out                       length (velocity)
- *   info    or NULL: iterations, factorisations, certificate of (x, r); method is DLS_ADMM
+ *   info    or NULL: iterations (of the splitting, and Newton steps with a host's apply),
+ *           factorisations (calls of prepare and block), certificate of (x, r); method is DLS_ADMM
  *
  * Where the splitting and Newton's method find nothing, Newton steps from states that are drawn
  * follow, up to 500 contacts: large friction leaves few answers that no descent leads to. r, x must

@@ -168,7 +168,7 @@ typedef struct dls_mpi_global dls_mpi_global;
 /* Copies the model. solver NULL: orders and analyses K + H R H^T, which MUMPS factorises on all
  * ranks; K may be singular, and with DLS_CHOLESKY need not be definite. Otherwise all ranks give a
  * solver, as
- * dls_global_create_with, whose functions are collective: R is that of the d nodes of this rank, b
+ * dls_global_create_with, whose functions are collective: R is that of the nodes of this rank, b
  * and x are the rows of this rank; an error on one rank is an error on all. No reference to the
  * model is kept; comm is duplicated. *out = NULL on error. Errors as dls_mpi_reduction_create.
  *
@@ -186,7 +186,8 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_global_get_info(const dls_mpi_global *gl
 
 /* Solves as dls_global_solve: same statuses, same certificate of (x, r) in *info; max_iterations,
  * warm_start, tol, progress and cpu_seconds of rank 0 hold. f, x: rows of this rank; g, r: d nodes;
- * mu: nodes, NULL for 0. Newton steps are left out, and with a host's solver proofs. For the proof
+ * mu: nodes, NULL for 0. Newton steps need a host's block and apply; a rank then keeps its rows of
+ * up to 61 vectors. With a host's solver there are no proofs. For the proof
  * that nothing can hold a body rank 0 takes and factorises all of K; without the memory for that
  * nothing is proved. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_solve(dls_mpi_global *global, const double *f,

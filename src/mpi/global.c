@@ -9,8 +9,8 @@
  *   (MG4)  a proof that nothing can hold a body: motion.c on rank 0, which takes all of K for it,
  *          unless the host brings a solver; without the memory nothing is proved
  *
- * All ranks get x from rank 0 with the same bits, so that all take the same branches. Newton steps,
- * which factor on one process, are left out.
+ * All ranks get x from rank 0 with the same bits, so that all take the same branches. Newton steps
+ * need a host's preconditioner: their LU is that of one process.
  * Memory of a rank: its share of the factor, its entries of K twice, about 25 vectors of n and 40
  * of m; on rank 0, for (MG4), all of K and its factor. Fails: no memory on one rank, an error of
  * the host's solver on one rank.
@@ -50,20 +50,54 @@ static dls_status brought_agree(const dls_mpi_global *work, dls_status answer, d
 static dls_status brought_prepare(void *data, const double *R, dls_error *error) {
   DLSI_DOOR;
   dls_mpi_global *work = data;
-  const dls_status status = dlsi_host_prepare(&work->host, R + work->of.d * work->of.first, error);
+  const double *own = R + work->of.d * work->of.first;
+  const dls_status status = dlsi_host_prepare(work->host.prepare, work->host.data, own, error);
   return brought_agree(work, status, error);
+}
+
+static dls_status brought_block(void *data, const double *R, dls_error *error) {
+  DLSI_DOOR;
+  dls_mpi_global *work = data;
+  const double *own = R + work->of.d * work->of.d * work->of.first;
+  const dls_status status = dlsi_host_prepare(work->host.block, work->host.data, own, error);
+  return brought_agree(work, status, error);
+}
+
+static dls_status brought_by(dls_mpi_global *work, dls_global_solve_fn by, const double *b,
+                             double *x, double accuracy, dls_error *error) {
+  const int first = work->of.first_row;
+  memcpy(work->part, x + first, (size_t)work->of.rows * sizeof *x);
+  dls_status status = dlsi_host_solve(by, work->host.data, b + first, work->part, accuracy, error);
+  status = brought_agree(work, status, error);
+  if (!status) dlsi_shares_gather_rows(&work->of, work->part, x);
+  return status;
 }
 
 static dls_status brought_solve(void *data, const double *b, double *x, double accuracy,
                                 dls_error *error) {
   DLSI_DOOR;
   dls_mpi_global *work = data;
-  const int first = work->of.first_row;
-  memcpy(work->part, x + first, (size_t)work->of.rows * sizeof *x);
-  dls_status status = dlsi_host_solve(&work->host, b + first, work->part, accuracy, error);
-  status = brought_agree(work, status, error);
-  if (!status) dlsi_shares_gather_rows(&work->of, work->part, x);
-  return status;
+  return brought_by(work, work->host.solve, b, x, accuracy, error);
+}
+
+static dls_status brought_apply(void *data, const double *b, double *x, double accuracy,
+                                dls_error *error) {
+  DLSI_DOOR;
+  dls_mpi_global *work = data;
+  return brought_by(work, work->host.apply, b, x, accuracy, error);
+}
+
+/* Adds up numbers of all ranks, to the same bits on each. */
+static void brought_sum(void *data, double *x, int count) {
+  const dlsi_grid *grid = &((const dls_mpi_global *)data)->of.grid;
+  (void)MPI_Reduce(grid->rank ? x : MPI_IN_PLACE, x, count, MPI_DOUBLE, MPI_SUM, 0, grid->all);
+  (void)MPI_Bcast(x, count, MPI_DOUBLE, 0, grid->all);
+}
+
+static void brought_gather(void *data, double *x) {
+  dls_mpi_global *work = data;
+  memcpy(work->part, x + work->of.first_row, (size_t)work->of.rows * sizeof *x);
+  dlsi_shares_gather_rows(&work->of, work->part, x);
 }
 
 /* ---- create ---------------------------------------------------------------------------------- */
@@ -173,9 +207,12 @@ static dls_status global_join(dls_mpi_global *work, dls_error *error) {
   const dlsi_shares *of = &work->of;
   const size_t n = (size_t)of->n, m = (size_t)of->m, rows = (size_t)of->rows;
   const dls_global_solver solver =
-      work->host.solve
-          ? (dls_global_solver){work, brought_prepare, brought_solve}
-          : (dls_global_solver){&work->system, dlsi_mpi_system_prepare, dlsi_mpi_system_solve};
+      work->host.solve ? (dls_global_solver){work, brought_prepare, brought_solve,
+                                             work->host.block ? brought_block : NULL,
+                                             work->host.apply ? brought_apply : NULL}
+                       : (dls_global_solver){.data = &work->system,
+                                             .prepare = dlsi_mpi_system_prepare,
+                                             .solve = dlsi_mpi_system_solve};
   dlsi_columns N = {0}, T = {0};
   dls_status status = global_columns(of, &N, &T, error);
   const size_t of_motion = of->grid.rank == 0 ? n : 0;
@@ -195,6 +232,8 @@ static dls_status global_join(dls_mpi_global *work, dls_error *error) {
   if (!status) {
     work->global->prove = global_prove;
     work->global->prover = work;
+    work->global->spread =
+        (dlsi_spread_rows){of->first_row, of->rows, brought_sum, brought_gather, work};
   }
   dlsi_columns_free(&N);
   dlsi_columns_free(&T);
@@ -224,16 +263,18 @@ static dls_status mpi_global_create(dls_mpi_global **out, MPI_Comm comm, const d
                                     const dls_global_solver *solver, dls_error *error) {
   dls_mpi_global *work = calloc(1, sizeof *work);
   dls_status status = dlsi_shares_check(model, error);
-  if (!status && solver && (!solver->prepare || !solver->solve))
+  if (!status && solver && (!solver->prepare || !solver->solve || !solver->block != !solver->apply))
     status = dlsi_is_null(error, "solver");
   if (!status && !out) status = dlsi_is_null(error, "out");
   if (!status && !work) status = dlsi_no_memory(error);
   status = dlsi_agree(comm, status, error);
-  int mine[2] = {solver ? 1 : 0, solver ? -1 : 0}, most[2];
+  const int functions = !solver ? 0 : solver->apply ? 2 : 1;
+  int mine[2] = {functions, -functions}, most[2];
   if (!status) { /* all ranks bring one, or none */
     (void)MPI_Allreduce(mine, most, 2, MPI_INT, MPI_MAX, comm);
     if (most[0] != -most[1])
-      status = dlsi_fail(error, DLS_E_ARGUMENT, "solver", -1, 0, "is NULL on some ranks alone");
+      status =
+          dlsi_fail(error, DLS_E_ARGUMENT, "solver", -1, 0, "or apply is NULL on some ranks alone");
   }
   if (status || !work || !out) {
     free(work);

@@ -416,7 +416,7 @@ START_TEST(solver_on_K_finds_the_host) {
                        .K = {2, 2, 2, K},
                        .HN = {2, 1, column, normal, one},
                        .HT = {2, 1, column, tangent, one}};
-  const dls_global_solver solver = {&R, prepare_unit, solve_unit};
+  const dls_global_solver solver = {.data = &R, .prepare = prepare_unit, .solve = solve_unit};
   dls_global *G = NULL;
   host_calls = host_finds = 0;
   set_host();
@@ -501,7 +501,8 @@ static void run_spoiled(int spoils, double r[2][most]) {
   m.operator_kind = DLS_STIFFNESS_DENSE;
   m.factorization = DLS_CHOLESKY;
   m.K = (dls_dense){2, 2, 2, K};
-  const dls_global_solver solver = {&spoils, spoil_prepare, spoil_solve_on_K};
+  const dls_global_solver solver = {
+      .data = &spoils, .prepare = spoil_prepare, .solve = spoil_solve_on_K};
   s.limits.max_iterations = 20;
   if (!status) status = dls_global_create_with(&G, &m, &solver, NULL);
   if (!status) status = dls_global_solve(G, f, NULL, &mu, &s.limits, r[1], r[1] + 2, &info, NULL);

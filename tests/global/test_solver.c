@@ -19,14 +19,19 @@ typedef struct host {
   int wrong;    /* arguments that should not be; ck_assert would allocate */
   double worst; /* the largest residual of a first guess, over |b| */
   dls_status answer_prepare, answer_solve;
+  double *B; /* 3 m: of Newton's preconditioner, some steps of conjugate gradients on K + H B H^T */
+  int blocks, cycles, most;
+  double garbage; /* answered in place of them if not 0 */
+  dls_status answer_apply;
 } host;
 
 static host host_of(const dls_model *model) {
   host h = {.model = model};
   const size_t n = (size_t)model->n, m = (size_t)(model->d * model->nodes);
-  h.R = calloc(m + 3 * n, sizeof *h.R);
+  h.R = calloc(4 * m + 3 * n, sizeof *h.R);
   ck_assert_ptr_nonnull(h.R);
-  h.left = h.R + m;
+  h.B = h.R + m;
+  h.left = h.R + 4 * m;
   h.p = h.left + n;
   h.v = h.p + n;
   return h;
@@ -78,6 +83,70 @@ static dls_status gradients(void *data, const double *b, double *x, double accur
   return DLS_OK;
 }
 
+static dls_status block(void *data, const double *B, dls_error *error) {
+  host *h = data;
+  const int d = h->model->d;
+  h->wrong += !error;
+  memcpy(h->B, B, (size_t)(d * d * h->model->nodes) * sizeof *B);
+  for (int c = 0; c < h->model->nodes; c++, B += d * d)
+    for (int k = 0; k < d * d; k++)
+      h->wrong +=
+          !(fabs(B[k] - B[k / d + d * (k % d)]) <= 1e-15 * fabs(B[k]) && B[k / d * (d + 1)] >= 0);
+  h->blocks++;
+  return DLS_OK;
+}
+
+/* y := (K + H B H^T) x */
+static void host_apply(host *h, const double *x, double *y) {
+  const dls_model *model = h->model;
+  const int d = model->d;
+  static const double none[1200];
+  h->wrong += d * model->nodes > 1200;
+  solids_apply(model, none, x, y);
+  for (int c = 0; c < model->nodes; c++) {
+    double u[3] = {0};
+    for (int turn = 0; turn < 2; turn++)
+      for (int i = 0; i < d; i++) {
+        const dls_sparse *L = i ? &model->HT : &model->HN;
+        const int column = i ? (d - 1) * c + i - 1 : c;
+        double push = 0;
+        for (int k = 0; k < d; k++)
+          push += h->B[d * d * c + i + d * k] * u[k];
+        for (int e = L->p[column]; turn && e < L->p[column + 1]; e++)
+          y[L->i[e]] += L->x[e] * push;
+        for (int e = L->p[column]; !turn && e < L->p[column + 1]; e++)
+          u[i] += L->x[e] * x[L->i[e]];
+      }
+  }
+}
+
+static dls_status cycle(void *data, const double *b, double *x, double accuracy, dls_error *error) {
+  host *h = data;
+  const int n = h->model->n;
+  h->wrong += !error || accuracy != 0.1;
+  h->cycles++;
+  for (int k = 0; k < n; k++) {
+    h->wrong += x[k] != 0;
+    h->p[k] = h->left[k] = b[k];
+    x[k] = h->garbage;
+  }
+  if (h->answer_apply || h->garbage != 0) return h->answer_apply;
+  double size = product(b, b, n);
+  const double load = size;
+  for (int step = 0; step < h->most && size > 1e-20 * load; step++) {
+    host_apply(h, h->p, h->v);
+    const double a = size / product(h->p, h->v, n), before = size;
+    for (int k = 0; k < n; k++) {
+      x[k] += a * h->p[k];
+      h->left[k] -= a * h->v[k];
+    }
+    size = product(h->left, h->left, n);
+    for (int k = 0; k < n; k++)
+      h->p[k] = h->left[k] + size / before * h->p[k];
+  }
+  return DLS_OK;
+}
+
 static double apart(const double *a, const double *b, int n) {
   double most = 0, scale = 0;
   for (int k = 0; k < n; k++) {
@@ -94,7 +163,7 @@ static void expect_equal(solids *S, double friction) {
   double *r = calloc((size_t)(2 * m + nc), sizeof *r), *s = r + m, *mu = s + m;
   double *x = calloc((size_t)(2 * n), sizeof *x), *y = x + n;
   host h = host_of(model);
-  const dls_global_solver solver = {&h, prepare, gradients};
+  const dls_global_solver solver = {.data = &h, .prepare = prepare, .solve = gradients};
   const dls_limits limits = {.tol = 1e-9};
   dls_global *G = NULL;
   dls_error e = {0};
@@ -137,6 +206,75 @@ START_TEST(agrees_with_the_factor) {
 }
 END_TEST
 
+/* Newton steps by the host's preconditioner, exact or rough, end where the factor ends, in the same
+ * steps in other units; where it is no preconditioner, or a motion is free, the splitting does. */
+START_TEST(newton_by_the_host) {
+  static const struct {
+    int most;
+    double garbage;
+    dls_status answer;
+  } hosts[] = {{10000, 0, 0}, {25, 0, 0}, {0, 1e-3, 0}, {0, NAN, 0}, {0, 0, DLS_E_SINGULAR}};
+  const int kind = _i % 5, spatial = _i / 5;
+  int steps[2] = {0};
+  for (int units = 0; units < 2; units++) {
+    solids S;
+    if (spatial == 0)
+      solids_pad(&S, 24, 4);
+    else if (spatial == 1)
+      solids_plate(&S, 6, 2);
+    else
+      solids_stack(&S, 2, 2, 3, 0.5);
+    const dls_model *model = solids_model(&S);
+    const int n = model->n, nc = model->nodes, m = model->d * nc;
+    const double stiffness = units ? 0x1p20 : 1;
+    double *K = calloc((size_t)model->Ks.p[n], sizeof *K), *mu = calloc((size_t)nc, sizeof *mu);
+    double *r = calloc((size_t)(2 * m), sizeof *r), *s = r + m;
+    double *x = calloc((size_t)(2 * n), sizeof *x), *y = x + n;
+    for (int k = 0; k < model->Ks.p[n]; k++)
+      K[k] = stiffness * model->Ks.x[k];
+    for (int k = 0; k < n; k++)
+      S.f[k] *= stiffness;
+    for (int c = 0; c < nc; c++)
+      mu[c] = 0.3;
+    dls_model scaled = *model;
+    scaled.Ks.x = K;
+    host h = host_of(&scaled);
+    h.most = hosts[kind].most;
+    h.garbage = hosts[kind].garbage;
+    h.answer_apply = hosts[kind].answer;
+    const dls_global_solver solver = {&h, prepare, gradients, block, cycle};
+    const dls_limits limits = {.tol = 1e-9};
+    dls_global *G = NULL;
+    dls_error e = {0};
+    dls_info info;
+    ck_assert_msg(!dls_global_create(&G, &scaled, &e), "%s", e.message);
+    ck_assert_int_eq(dls_global_solve(G, S.f, S.g, mu, &limits, r, x, &info, &e), DLS_OK);
+    dls_global_destroy(G);
+    ck_assert_msg(!dls_global_create_with(&G, &scaled, &solver, &e), "%s", e.message);
+    ck_assert_int_eq(dls_global_solve(G, S.f, S.g, mu, &limits, s, y, &info, &e), DLS_OK);
+    ck_assert(dls_certificate_holds(&info.certificate, 1e-9));
+    ck_assert_msg(apart(s, r, m) < 1e-6 && apart(y, x, n) < 1e-6, "%g %g", apart(s, r, m),
+                  apart(y, x, n));
+    ck_assert(h.cycles > 0 && h.wrong == 0);
+    if (kind < 2 && spatial < 2) { /* Newton's steps alone */
+      ck_assert_msg(h.solved == 0 && info.iterations <= 12 && h.cycles <= 8 * info.iterations,
+                    "%d %d %d", h.solved, info.iterations, h.cycles);
+      ck_assert_int_eq(h.blocks, info.factorisations);
+    } else if (kind >= 2)
+      ck_assert_int_gt(h.solved, 0);
+    steps[units] = info.iterations;
+    dls_global_destroy(G);
+    free(h.R);
+    free(K);
+    free(mu);
+    free(r);
+    free(x);
+    solids_free(&S);
+  }
+  ck_assert(kind == 2 || steps[0] == steps[1]); /* garbage has no units */
+}
+END_TEST
+
 /* Where all contacts are open, or there is none, x is as accurate as tol asks for. */
 START_TEST(open_or_none) {
   solids S;
@@ -147,7 +285,7 @@ START_TEST(open_or_none) {
   const int n = model->n, m = bare.d * bare.nodes;
   double *r = calloc((size_t)(m + n) + 1, sizeof *r), *x = r + m;
   host h = host_of(&bare);
-  const dls_global_solver solver = {&h, prepare, gradients};
+  const dls_global_solver solver = {.data = &h, .prepare = prepare, .solve = gradients};
   dls_global *G = NULL;
   dls_error e = {0};
   dls_info info;
@@ -176,7 +314,7 @@ START_TEST(answers_of_a_host) {
   const int n = model->n, nc = model->nodes, m = model->d * nc;
   double *r = calloc((size_t)(m + n), sizeof *r), *x = r + m;
   host h = host_of(model);
-  dls_global_solver solver = {&h, prepare, gradients};
+  dls_global_solver solver = {.data = &h, .prepare = prepare, .solve = gradients};
   dls_global *G = (void *)&h;
   dls_error e = {0};
   dls_info info = {0};
@@ -191,6 +329,27 @@ START_TEST(answers_of_a_host) {
   expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
                "dls_global_create_with", "solver.solve", -1);
   solver.solve = gradients;
+  solver.apply = cycle;
+  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
+               "dls_global_create_with", "solver.block", -1);
+  solver.apply = NULL;
+  solver.block = block;
+  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
+               "dls_global_create_with", "solver.apply", -1);
+  solver.apply = cycle;
+  h.answer_apply = DLS_E_MEMORY;
+  ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
+  expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_MEMORY,
+               "dls_global_solve", "solver", -1);
+  h.answer_apply = DLS_CANCELLED;
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), DLS_CANCELLED);
+  h.answer_apply = DLS_OK;
+  h.most = 10000;
+  MALLOCS_FAIL(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, NULL), r[0] == 0, DLS_OK, 5);
+  memset(r, 0, (size_t)(m + n) * sizeof *r);
+  dls_global_destroy(G);
+  solver.block = NULL;
+  solver.apply = NULL;
   ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
   dls_global_info cost;
   expect_error(dls_global_get_info(G, &cost, &e), &e, DLS_E_UNSUPPORTED, "dls_global_get_info",
@@ -227,7 +386,7 @@ START_TEST(without_proof) {
   const int n = model->n, m = model->d * model->nodes;
   double *r = calloc((size_t)(m + n), sizeof *r), *x = r + m;
   host h = host_of(model);
-  const dls_global_solver solver = {&h, prepare, gradients};
+  const dls_global_solver solver = {.data = &h, .prepare = prepare, .solve = gradients};
   const dls_limits limits = {.tol = 1e-8, .max_iterations = 400};
   dls_global *G = NULL;
   dls_error e = {0};
@@ -254,7 +413,7 @@ START_TEST(failing_mallocs) {
   const int n = model->n, m = model->d * model->nodes;
   double *r = calloc((size_t)(m + n), sizeof *r), *x = r + m;
   host h = host_of(model);
-  const dls_global_solver solver = {&h, prepare, gradients};
+  const dls_global_solver solver = {.data = &h, .prepare = prepare, .solve = gradients};
   dls_global *G = NULL;
   MALLOCS_FAIL(dls_global_create_with(&G, model, &solver, NULL), !G, DLS_OK, 10);
   malloc_fails_at(1);
@@ -270,6 +429,7 @@ START_TEST(failing_mallocs) {
 END_TEST
 
 int main(void) {
-  return RUN("solver", NULL, NULL, EACH(agrees_with_the_factor, 0, 3), EACH(open_or_none, 0, 2),
-             ONCE(answers_of_a_host), ONCE(without_proof), ONCE(failing_mallocs));
+  return RUN("solver", NULL, NULL, EACH(agrees_with_the_factor, 0, 3),
+             EACH(newton_by_the_host, 0, 15), EACH(open_or_none, 0, 2), ONCE(answers_of_a_host),
+             ONCE(without_proof), ONCE(failing_mallocs));
 }

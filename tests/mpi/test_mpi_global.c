@@ -163,7 +163,7 @@ static void compare_pairs(const scene *s, cut how, int by_host) {
   dls_info info = {0};
   dls_mpi_info cost = {0};
   host h = host_of(&s->model, &part);
-  const dls_global_solver solver = {&h, cg_prepare, cg_solve};
+  const dls_global_solver solver = {.data = &h, .prepare = cg_prepare, .solve = cg_solve};
   dls_limits limits = {.tol = tol};
   const int own = s->d * part.model.nodes, first = s->d * part.first_node;
   double *r = zero_array((size_t)own, sizeof *r),
@@ -306,7 +306,7 @@ static void test_bad_calls(void) {
   const int bad = rank == ranks - 1;
   share part = share_take(&s.model, CUT_EVEN, s.f, s.g, s.mu);
   host h = host_of(&s.model, &part);
-  dls_global_solver solver = {&h, cg_prepare, NULL};
+  dls_global_solver solver = {.data = &h, .prepare = cg_prepare};
   dls_mpi_global *global = NULL;
   dls_error error = {0};
   dls_info info = {0};
