@@ -6,7 +6,7 @@
  *          with q_n < 0, and 0 for the others         if there is one such c, or W couples none
  *
  * (AL2) is the first sweep of Gauss-Seidel (nlgs.c), to the same bits, and the last one if it
- * presses no other contact; for few contacts only. What can fail: a contact without a local solution,
+ * presses no other contact; for few only. What can fail: a contact without a local solution,
  * or with trace(W_cc) <= 0; another contact that the reactions press. Then it returns 0 and has
  * written nothing, and the sweeps begin.
  */

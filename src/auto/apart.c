@@ -6,7 +6,7 @@
  *
  * for r in the cones. Therefore r_c = 0 in each solution if q_n,c > 0 and no bracket is negative,
  * and the problem of the other contacts has the same solutions. This holds on an elastic body far
- * from its edges, not for rigid bodies, which act as levers. It pays if at least 40 % of the contacts
+ * from its edges, not for rigid bodies, which act as levers. It pays if at least 40 % of them
  * are left out. Cost: at most d numbers of W for each pair. Without memory nothing is left out.
  */
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /*
- * constants.h: the numbers that steer auto: value, unit, reason. None is tuned to more than a factor
- * of 2: bench/constants.sh [NAME...] halves and doubles each (bench/results/constants.md), and
+ * constants.h: the numbers that steer auto: value, unit, reason. None is tuned beyond a factor of
+ * 2: bench/constants.sh [NAME...] halves and doubles each (bench/results/constants.md), and
  * `make bench-auto BENCH=--price` measures group 3. What may be halved or doubled without a change
  * stands where it is used, constants of a method in its file.
  */

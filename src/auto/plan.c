@@ -1,5 +1,5 @@
 /*
- * plan.c: recognises the kind of the problem; the plan of each kind; the steps that a problem allows.
+ * plan.c: recognises the kind of the problem; the plan of each kind; the steps that it allows.
  *
  * A dense W usually comes from an elastic body, and is regular. W by blocks usually comes from many
  * bodies, often rigid ones; it is then singular, and Newton's method converges slowly.
@@ -229,7 +229,7 @@ static const step few[] = {{SWEEPS, 0, 0},       {REST, 0, 0},
                            {NEWTON, 0, 0},       {COLD_SPLITTING, COLD, dlsi_auto_splits},
                            {NEWTON, 0, 0},       {END, 0, 0}};
 
-/* Momentum, in turn with Newton's method, which leads nowhere far from the answer (regime.c), and
+/* Momentum, in turn with Newton's method, which leads nowhere far from the answer (above), and
  * with the augmented Lagrangian, which ends chains through which a reaction takes thousands of
  * sweeps. The convex problem is taken when sweeps have cost as much (FC5). */
 static const step packing[] = {{SWEEPS, 0, 0},          {REST, 0, 0},  {NEWTON, 0, 0}, {PUSH, 0, 0},

@@ -1,6 +1,6 @@
 /*
- * renumber.c: solves a copy of a small contact problem, in an order and in units that follow from its
- * data, from r = 0, after the first plan has failed.
+ * renumber.c: solves a copy of a small contact problem, in an order and in units that follow from
+ * its data, from r = 0, after the first plan has failed.
  *
  * Stages that succeed by luck depend on the order of the candidates through rounding and ties, and
  * on the unit of W through square roots. On this copy they do the same, to the bit, however the
