@@ -20,7 +20,7 @@ reduction 2255
 global 3637
 src/files 3719
 src/facts 4187
-src/auto 2548
+src/auto 2458
 src/front 2461
 src/motion 1167
 src/fe 4996

@@ -6,12 +6,9 @@
  *          with q_n < 0, and 0 for the others         if there is one such c, or W couples none
  *
  * (AL2) is the first sweep of Gauss-Seidel (nlgs.c), to the same bits, and the last one if it
- * presses no other contact. It is used for few contacts only: for more the sweeps dominate the
- * cost.
- *
- * Cost: O(nc) for q, the columns of W of these c, the certificate.
- * What can fail: a contact without a local solution, or with trace(W_cc) <= 0; another contact that
- * the reactions press. Then it returns 0 and has written nothing, and the sweeps begin.
+ * presses no other contact; for few only. What can fail: a contact without a local solution,
+ * or with trace(W_cc) <= 0; another contact that the reactions press. Then it returns 0 and has
+ * written nothing, and the sweeps begin.
  */
 #include <float.h>
 #include <math.h>

@@ -6,12 +6,8 @@
  *
  * for r in the cones. Therefore r_c = 0 in each solution if q_n,c > 0 and no bracket is negative,
  * and the problem of the other contacts has the same solutions. This holds on an elastic body far
- * from the edges, where pressing at one place pushes all others away. It does not hold for rigid
- * bodies, which act as levers.
- *
- * Cost: at most d numbers of W for each pair of contacts, fewer if the proof fails. It pays if at
- * least 40 % of the contacts are left out, because a sweep changes fewer numbers by that fraction.
- * Without memory for the list nothing is left out.
+ * from its edges, not for rigid bodies, which act as levers. It pays if at least 40 % of them
+ * are left out. Cost: at most d numbers of W for each pair. Without memory nothing is left out.
  */
 #include <stdlib.h>
 #include <string.h>

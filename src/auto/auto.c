@@ -5,11 +5,11 @@
  *          them (apart.c); if that fails, solve the whole problem
  *   (AT2)  warm solve: extrapolate from the last two answers, and maybe begin with a step of
  *          Newton's method (sequence.c)
- *   (AT3)  run the first plan of the problem's regime (regime.c)
- *   (AT4)  if it fails: up to 300 rows run the plan on a renumbered and scaled copy (canonical.c),
+ *   (AT3)  run the first plan of the problem's regime (plan.c)
+ *   (AT4)  if it fails: up to 300 rows run the plan on a renumbered and scaled copy (renumber.c),
  *          with a verdict (verdict.c); beyond, run another plan
  *   (AT5)  improve an answer whose reactions may have a large error (accuracy.c); search for other
- *          answers (others.c)
+ *          answers (accuracy.c)
  *
  * What can fail: every step; then DLS_STALLED with the best r.
  */
@@ -22,7 +22,8 @@
 /* Prepares a solve of this problem from r = 0. Errors of dlsi_form_blocks. */
 static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
   work->problem = problem;
-  const dls_status status = dlsi_auto_is_large(work) ? DLS_OK : dlsi_auto_form_blocks(work, error);
+  const int large = dlsi_auto_is_packing(work) && problem->nc > dlsi_auto_many; /* W when asked */
+  const dls_status status = large ? DLS_OK : dlsi_auto_form_blocks(work, error);
   if (status) return status;
   problem = work->problem;
   work->bonded = dlsi_first_bonded(problem) >= 0;

@@ -33,7 +33,7 @@ typedef enum part {
 typedef enum step_flags {
   COLD = 1,        /* from r = 0, whatever was found before */
   EARLY = 2,       /* on a copy of its own, and only if that is cheap for so few contacts */
-  IN_TURN = 4,     /* in turns of equal cost with momentum (regime.c) */
+  IN_TURN = 4,     /* in turns of equal cost with momentum (plan.c) */
   SORTED = 8,      /* only where most states are those of the answer: e <= dlsi_auto_unsorted */
   ANY_SWEEPS = 16, /* SWEEPS, or PUSH where those are not open */
   SMALL = 32       /* only where W is dense and has few rows: dlsi_auto_may_augment_early */
@@ -176,22 +176,18 @@ static inline int dlsi_auto_has_augmented(const dlsi_auto *work) {
   return work->history.taken[AUGMENTED] && work->history.ended[AUGMENTED] != DLS_REASON_COSTLIER;
 }
 
-/* ---- regime.c: which steps are open to this problem, now ------------------------------------- */
+/* ---- plan.c: which steps are open to this problem, now --------------------------------------- */
 
 int dlsi_auto_is_packing(const dlsi_auto *work);
 int dlsi_auto_is_few(const dlsi_auto *work);
 dls_regime dlsi_auto_regime(const dlsi_auto *work);
-int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only where a step asks */
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */
 int dlsi_auto_looks_at_rest(const dlsi_auto *work); /* and the convex problem is allowed */
 double dlsi_auto_first_try(const dlsi_auto *work);  /* of the convex problem: convex_from */
 int dlsi_auto_has_splitting(const dlsi_auto *work);
 int dlsi_auto_may_sweep(const dlsi_auto *work);
-int dlsi_auto_may_push(const dlsi_auto *work);
-int dlsi_auto_may_rest(const dlsi_auto *work);
 int dlsi_auto_may_take_turn(const dlsi_auto *work);     /* IN_TURN */
 int dlsi_auto_may_augment_early(const dlsi_auto *work); /* SMALL */
-int dlsi_auto_may_split(const dlsi_auto *work);
 int dlsi_auto_may_step(const dlsi_auto *work);
 int dlsi_auto_may_pivot(const dlsi_auto *work);
 int dlsi_auto_may_go_early(const dlsi_auto *work, part k); /* EARLY */
@@ -202,6 +198,20 @@ int dlsi_auto_may_go_another_way(const dlsi_auto *work);
 
 /* Returns 1 if a step that the caller has named can be taken at all. */
 int dlsi_auto_can_take(const dlsi_auto *work, part k);
+
+/* What a step runs: its name, its method, whether it is open (NULL: always), its limit of
+ * iterations (0: that of the method). */
+typedef struct step_kind {
+  dls_step step;
+  const dlsi_method *method;
+  int (*may)(const dlsi_auto *work);
+  int most;
+} step_kind;
+
+extern const step_kind dlsi_auto_kind[parts];
+
+const step *dlsi_auto_first_plan(const dlsi_auto *work);
+extern const step dlsi_auto_plan_on_copy[], dlsi_auto_plan_beyond[];
 
 /* ---- price.c --------------------------------------------------------------------------------- */
 
@@ -228,28 +238,11 @@ void dlsi_auto_begin_watch(dlsi_auto *work);
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
     dlsi_augmented_method, dlsi_homotopy_method, dlsi_scatter_method, dlsi_rest_method;
 
-/* ---- plan.c ---------------------------------------------------------------------------------- */
-
-/* What a step runs: its name, its method, whether it is open (NULL: always), its limit of
- * iterations (0: that of the method). */
-typedef struct step_kind {
-  dls_step step;
-  const dlsi_method *method;
-  int (*may)(const dlsi_auto *work);
-  int most;
-} step_kind;
-
-extern const step_kind dlsi_auto_kind[parts];
-
-const step *dlsi_auto_first_plan(const dlsi_auto *work);
-extern const step dlsi_auto_plan_on_copy[], dlsi_auto_plan_beyond[];
-
 /* ---- words.c --------------------------------------------------------------------------------- */
 
 /* *given := what these name; NULL: nothing. DLS_E_ARGUMENT. */
 dls_status dlsi_auto_read_words(const char *plan, const char *without, dlsi_auto_given *given,
                                 dls_error *error);
-dls_status dlsi_auto_check_words(const char *plan, const char *without, dls_error *error);
 
 static inline int dlsi_auto_has_plan(const dlsi_auto *work) {
   return work->given && work->given->steps > 0;
@@ -284,13 +277,12 @@ int dlsi_auto_predict(dlsi_auto *work);
 /* (SQ2) Returns DLS_OK, an error, the reason for the end, or DLS_STALLED to go on. */
 dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error);
 
-/* (SQ3) */
-void dlsi_auto_map(void *automatic, int nc, const int *from);
+void dlsi_auto_map(void *automatic, int nc, const int *from); /* (SQ3) */
 
 void dlsi_auto_remember_cost(dlsi_auto *work, const double *r);
 void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u);
 
-/* ---- canonical.c, apart.c: another problem in the place of the caller's ---------------------- */
+/* ---- renumber.c, apart.c: another problem in the place of the caller's ---------------------- */
 
 typedef dls_status (*dlsi_auto_run_fn)(dlsi_auto *work, const step *plan, dls_error *error);
 typedef dls_status (*dlsi_auto_solve_fn)(dlsi_auto *work, const dls_contact *problem,
@@ -314,7 +306,7 @@ dls_status dlsi_auto_take_touching(dlsi_auto *work, const dls_contact *problem,
 /* all := r of the candidates that may touch, 0 for the others. */
 void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all);
 
-/* ---- verdict.c, accuracy.c, others.c --------------------------------------------------------- */
+/* ---- verdict.c, accuracy.c ------------------------------------------------------------------- */
 
 /* For a problem that no step has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY, DLS_STALLED, or
  * an error. */
@@ -330,8 +322,6 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int asked, dls_status sta
 
 /* Sets info.ambiguous and info.unique. u: of r; NULL: not known. */
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r, const double *u);
-
-/* ---- alone.c --------------------------------------------------------------------------------- */
 
 /* Returns 1 if r, u (or NULL), info (or NULL) hold the certified answer of a problem whose
  * candidates are free or stand alone (alone.c), else 0, and they are untouched. From r = 0,

@@ -1,22 +1,15 @@
 /*
- * constants.h: the numbers that steer auto, in one table: its value, its unit, and the reason for
- * it. Powers of ten and round numbers throughout: none is tuned to more than a factor of 2.
- *
- * The command that measures a constant solves generated problems with another value of it:
- *
- *   bench/constants.sh [NAME...]       each of them, halved and doubled: bench/results/constants.md
- *   make bench-auto BENCH=--price      those of the cost model, group 3, beside measured costs
- *
- * Numbers that may be halved or doubled without a change of that page stand where they are used.
- * Constants of a method stand in the file of the method; limits of the caller in
- * dls_solver_settings.
+ * constants.h: the numbers that steer auto: value, unit, reason. None is tuned beyond a factor of
+ * 2: bench/constants.sh [NAME...] halves and doubles each (bench/results/constants.md), and
+ * `make bench-auto BENCH=--price` measures group 3. What may be halved or doubled without a change
+ * stands where it is used, constants of a method in its file.
  */
 #ifndef DLSI_AUTO_CONSTANTS_H
 #define DLSI_AUTO_CONSTANTS_H
 
 /* clang-format off */
 
-/* ---- 1. Regimes and what is open to them: sizes (regime.c) ----------------------------------- */
+/* ---- 1. Regimes and what is open to them: sizes (plan.c) ----------------------------------- */
 enum {                             /* unit      reason */
   dlsi_auto_few             = 100, /* contacts  W by blocks: more are a packing */
   dlsi_auto_many            = 1000,/* contacts  more are not swept with Anderson alone */

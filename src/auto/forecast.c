@@ -25,9 +25,6 @@
  *          if (FC1) exceeds twice the sweeps so far, and after 800 in any case. There a
  *          factorisation may cost as many sweeps as were made, at rest 1000; else the step waits
  *          for so many. The fill of bodies is foreseen before W is formed (vi/split/fill.c)
- *
- * Each failure thus makes later forecasts count less. No clock is read: the same input takes the
- * same steps and gives the same bits.
  */
 #include <math.h>
 
@@ -159,27 +156,22 @@ static int watch_augmented(void *data, const dls_progress *p) {
   return work->in_turn && cost >= work->turn && end_as_costlier(work, cost, work->turn);
 }
 
-static int watch_limits(void *data, const dls_progress *p) {
-  DLSI_DOOR;
-  return must_stop(data, p);
-}
-
+/* Keeps to the limits of the caller and, in a plan that the caller has named, to its iterations. */
 static int watch_count(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
-  if (!work->most || p->iteration < work->most) return 0;
+  if (!work->counted || !work->most || p->iteration < work->most) return 0;
   work->why = DLS_REASON_SPENT;
   return 1;
 }
 
 dls_progress_fn dlsi_auto_watch_of(const dlsi_auto *work, part k) {
-  if (work->counted) return watch_count;
-  return k == SWEEPS      ? watch_sweeps
-         : k == NEWTON    ? watch_newton
-         : k == PUSH      ? watch_push
-         : k == AUGMENTED ? watch_augmented
-                          : watch_limits;
+  static const dls_progress_fn of[parts] = {[SWEEPS] = watch_sweeps,
+                                            [NEWTON] = watch_newton,
+                                            [PUSH] = watch_push,
+                                            [AUGMENTED] = watch_augmented};
+  return work->counted || !of[k] ? watch_count : of[k];
 }
 
 /* Returns how many steps without progress Newton's method may take: half of what comes after it. */

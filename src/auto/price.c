@@ -33,20 +33,15 @@ double dlsi_auto_count_unknowns(const dls_contact *problem, const double *r) {
   return k;
 }
 
-/* Returns the mean friction of the candidates with a reaction in r. */
-static double mean_friction(const dls_contact *problem, const double *r) {
-  double sum = 0, count = 0;
-  for (int c = 0; c < problem->nc; c++, r += problem->d) {
-    if (!(r[0] > 0)) continue;
-    sum += problem->mu[c];
-    count++;
-  }
-  return count > 0 ? sum / count : 0;
-}
-
 double dlsi_auto_cost_of_split(const dlsi_auto *work) {
-  const double mu = fmax(mean_friction(work->problem, work->r), 1);
-  const double m = (double)work->problem->d * work->problem->nc;
+  const dls_contact *problem = work->problem;
+  double sum = 0, count = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const int presses = work->r[problem->d * c] > 0;
+    sum += presses ? problem->mu[c] : 0;
+    count += presses;
+  }
+  const double mu = fmax(count > 0 ? sum / count : 0, 1), m = (double)problem->d * problem->nc;
   return 50 * mu * mu * m / fmax(work->unknowns, 1);
 }
 

@@ -1,6 +1,6 @@
 /*
- * renumber.c: a copy of a small contact problem in an order and in units that follow from its data
- * (canonical.c).
+ * renumber.c: solves a copy of a small contact problem, in an order and in units that follow from
+ * its data, from r = 0, after the first plan has failed.
  *
  * Stages that succeed by luck depend on the order of the candidates through rounding and ties, and
  * on the unit of W through square roots. On this copy they do the same, to the bit, however the
@@ -15,14 +15,17 @@
  *          that the whole problem does not tell apart
  *   (RN4)  by code, then by the order of vi/sweep/order.c, which follows the mechanics
  *
+ * Frictions above 1e4, also infinite ones, are first 1e4 there, which pivots and paths can handle.
+ * An answer in which these contacts do not slip is an answer of the problem.
+ *
  * Source: colour refinement, Weisfeiler and Leman, Nauchno-Technicheskaya Informatsiya 2 (9), 1968,
  * 12-16. Cost: nc^2 d^2 per round; usually two rounds.
  */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "auto/auto.h"
-#include "vi/vi_internal.h"
 
 void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc) {
   const size_t n = (size_t)nc, m = (size_t)d * n, D = sizeof(double);
@@ -136,22 +139,10 @@ static void renumber_fill(dlsi_renumber *copy, const dls_contact *problem, doubl
   }
 }
 
-static double largest_of_W(const dls_contact *problem) {
-  double largest = 0;
-  for (int c = 0; c < problem->nc; c++) {
-    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
-    for (size_t k = W.begin; k < W.end; k++)
-      for (int j = 0; j < problem->d; j++)
-        largest =
-            fmax(largest, dlsi_max_abs(W.x + k * W.step + (size_t)j * W.ld, (size_t)problem->d));
-  }
-  return largest;
-}
-
 void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem, double most_mu) {
   const int nc = problem->nc, m = problem->d * nc;
   int *given = copy->from, *order = copy->from + nc, *scratch = copy->from + 2 * nc;
-  copy->power_W = unit_of(largest_of_W(problem));
+  copy->power_W = unit_of(dlsi_largest_value(problem));
   copy->power_q = unit_of(dlsi_max_abs(problem->q, (size_t)m));
   copy->problem = (dls_contact){.d = problem->d,
                                 .nc = nc,
@@ -177,4 +168,67 @@ void dlsi_renumber_back(const dlsi_renumber *copy, int entries, int power, const
   for (int c = 0; c < copy->problem.nc; c++)
     for (int i = 0; i < entries; i++)
       back[entries * copy->from[c] + i] = ldexp(x[entries * c + i], power);
+}
+
+/* Turns to a copy of the problem, with r = 0 as the best. Returns the certificate of the best r of
+ * the problem, which is work->kept then. */
+static dls_certificate enter_copy(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const dls_certificate kept = work->info.certificate;
+  memcpy(work->kept, work->best, m * sizeof *work->kept);
+  memset(work->best, 0, m * sizeof *work->best);
+  dlsi_renumber_set(&work->copy, problem, work->firm ? dlsi_auto_firm : INFINITY);
+  work->problem = &work->copy.problem;
+  work->info.certificate = dlsi_no_certificate;
+  return kept;
+}
+
+/* Takes the vectors of the verdict back from the copy. */
+static void take_back_vectors(dlsi_auto *work, dls_status status) {
+  const dlsi_renumber *copy = &work->copy;
+  const int excluded = work->excluded, proved = status == DLS_NO_SOLUTION;
+  const double *delta = work->part[AUGMENTED] && !excluded && !proved
+                            ? dlsi_augmented_method.direction(work->part[AUGMENTED])
+                            : NULL;
+  const double *v = proved || excluded ? dlsi_lemke_method.farkas(work->part[PIVOTING]) : NULL;
+  work->has_direction = delta != NULL;
+  work->has_farkas = v != NULL;
+  if (delta) dlsi_renumber_back(copy, copy->problem.d, 0, delta, work->direction);
+  if (v) dlsi_renumber_back(copy, 1, 0, v, work->farkas);
+}
+
+/* Takes the best r back from the copy if it is better than the one kept. Returns the status for the
+ * problem. */
+static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
+                             const dls_certificate *kept, dls_status status) {
+  const dlsi_renumber *copy = &work->copy;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate *best = &work->info.certificate;
+  work->problem = problem;
+  dlsi_renumber_back(copy, problem->d, copy->power_q - copy->power_W, work->best, work->r);
+  dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
+  dlsi_auto_set_weights(work);
+  dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->weights, work->v[2], best);
+  /* forces beyond the range of numbers: an answer to the copy is none to the problem */
+  const int in_range = best->residual <= DBL_MAX && dlsi_first_not_finite(work->r, m) < 0;
+  if (in_range && (status == DLS_OK || dlsi_is_better(best, kept))) {
+    memcpy(work->best, work->r, m * sizeof *work->best);
+  } else {
+    memcpy(work->best, work->kept, m * sizeof *work->best);
+    *best = *kept;
+  }
+  if (status == DLS_NO_SOLUTION_LIKELY && best->residual <= work->options.limits.tol)
+    return DLS_STALLED; /* only rounding speaks against this answer */
+  return status;
+}
+
+dls_status dlsi_auto_on_copy(dlsi_auto *work, dlsi_auto_run_fn run, const step *plan,
+                             dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const dls_certificate kept = enter_copy(work);
+  const dls_status status = run(work, plan, error);
+  if (status < 0) return status;
+  if (work->has_copy) take_back_vectors(work, status);
+  return leave_copy(work, problem, &kept, status);
 }

@@ -144,26 +144,21 @@ static void rename_answer(const dlsi_auto *work, auto_answer *a, int nc, const i
   memcpy(a->Wr, Wr, m * sizeof *Wr);
 }
 
-/* Returns 1 if a map gives each contact a number of the last answer, and each one of it a place. */
-static int is_permutation(const dlsi_auto *work, int nc, const int *from) {
-  int kept = 0;
-  for (int c = 0; c < nc; c++)
-    kept += from[c] >= 0;
-  return kept == nc && kept == work->last_nc;
-}
-
 void dlsi_auto_map(void *automatic, int nc, const int *from) {
   dlsi_auto *work = automatic;
   if (work->part[PUSH]) dlsi_nlgs_map(work->part[PUSH], nc, from);
   if (work->part[NEWTON]) dlsi_newton_map(work->part[NEWTON], nc, from);
   work->mapped = 0;
   if (!from || !work->answers) return;
-  for (int c = 0; c < nc; c++)
+  int kept = 0;
+  for (int c = 0; c < nc; c++) {
     if (from[c] >= work->last_nc) work->answers = 0; /* of an earlier solve */
+    kept += from[c] >= 0;
+  }
   if (!work->answers) return;
   rename_answer(work, &work->last, nc, from);
   if (work->answers == 2) rename_answer(work, &work->former, nc, from);
-  work->mapped = !is_permutation(work, nc, from);
+  work->mapped = kept < nc || kept < work->last_nc; /* some have come or gone */
   work->last_nc = nc;
 }
 

@@ -10,7 +10,7 @@
  *          the answer
  *   (ST4)  if Lemke's method has proved that there is no solution, or shown that none could be
  *          certified (facts/farkas.c), the plan ends. An early Lemke step does not end it, because
- *          the copy of canonical.c finds the proof again for each order of the contacts
+ *          the copy of renumber.c finds the proof again for each order of the contacts
  */
 #include <float.h>
 #include <math.h>

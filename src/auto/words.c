@@ -153,8 +153,3 @@ dls_status dlsi_auto_read_words(const char *plan, const char *without, dlsi_auto
   }
   return DLS_OK;
 }
-
-dls_status dlsi_auto_check_words(const char *plan, const char *without, dls_error *error) {
-  dlsi_auto_given given;
-  return plan || without ? dlsi_auto_read_words(plan, without, &given, error) : DLS_OK;
-}

@@ -115,7 +115,8 @@ typedef struct dlsi_units {
   size_t room;
 } dlsi_units;
 
-/* Returns 1 if squares stay in the range of numbers, so that no copy is needed. */
+/* Returns the largest |entry| of W; 1 if squares stay in the range of numbers, without a copy. */
+double dlsi_largest_value(const dls_contact *problem);
 int dlsi_has_plain_units(const dls_contact *problem);
 
 /* Turns *problem, which has been checked, into a copy in units of its own, if squares could leave

@@ -4,9 +4,8 @@
  *   W' = 2^-W W,  q' = 2^-q q;  then u' = 2^-q u and r' = 2^(W - q) r
  *
  * Powers of two keep every bit: a solve, a proof or a norm on the copy is the same in any unit.
- * Problems whose largest diagonal entry of W and largest q lie within 2^-64 .. 2^64 are not copied;
- * there fourth powers of W, q and r = q / W, and products of two, are far from both ends. Such a
- * problem costs a look at q and at the diagonal of W (of bodies: at H).
+ * Problems whose largest diagonal entry of W and largest q lie within 2^-64 .. 2^64 are not copied:
+ * fourth powers are in range there.
  *
  * What can fail: a copy needs memory; entries 2^1000 apart are not all in range in any unit, and
  * the problem is not copied then.
@@ -39,8 +38,7 @@ static int power_of(double x, int known) {
   return x > 0 ? ilogb(x) : known;
 }
 
-/* Returns the largest |entry| of the values of W. */
-static double largest_value(const dls_contact *problem) {
+double dlsi_largest_value(const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double largest = 0;
   if (problem->Wb.x) return dlsi_max_abs(problem->Wb.x, d * d * (size_t)problem->Wb.p[problem->nc]);
@@ -66,7 +64,7 @@ static int power_of_W(const dls_contact *problem, int known) {
     for (int i = 0; i < d; i++)
       largest = fmax(largest, fabs(block[i * (d + 1)]));
   }
-  if (!(largest > 0)) largest = largest_value(problem);
+  if (!(largest > 0)) largest = dlsi_largest_value(problem);
   return power_of(largest, known) / 2 * 2;
 }
 

@@ -64,7 +64,8 @@ dls_status dlsi_solver_check(const dls_solver_settings *s, dls_error *error) {
   if ((s->plan || s->without) && s->method != DLS_AUTO)
     return dlsi_fail(error, DLS_E_ARGUMENT, s->plan ? "plan" : "without", -1, s->method,
                      "is for auto");
-  return dlsi_auto_check_words(s->plan, s->without, error);
+  dlsi_auto_given given;
+  return dlsi_auto_read_words(s->plan, s->without, &given, error);
 }
 
 /* Creates the workspace of solver->method, for one candidate at least: without any none is needed.
