@@ -10,7 +10,7 @@
  * elements a quarter as large and four times the steps of the setting advised for the tightest
  * accuracy, tol / 100; where that would take more than 60 s by the costs of half the element size,
  * elements half as large and four times the steps. What such a reference keeps of the error is
- * added by the measured order p: the difference over 1 - 4^-p (half: 1 - 2^-p), 0.5 without an
+ * added by the measured order p, that of the steps where the scene has one mesh: the difference over 1 - 4^-p (half: 1 - 2^-p), 0.5 without an
  * order. Scenes of dynamics: their steps follow the mesh.
  *
  * Grid: mesh by sqrt(2), steps by 2, the tolerance as advised, every setting up to twice the CPU of
@@ -134,7 +134,10 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
   if (!scene_find(name, &s, &status, &error)) exit(1);
   stop_on(status, name, &error);
   for (int k = 0; k < ACCURACIES; k++) {
-    b[k] = (budget){.scene = &s, .accuracy = accuracies[k], .limit = cpu};
+    b[k] = (budget){.scene = &s,
+                    .of = 1 << OF_FORCE | (s.dynamic << OF_CURVE),
+                    .accuracy = accuracies[k],
+                    .limit = cpu};
     stop_on(budget_run(&b[k], &error), name, &error);
   }
   const double reference =
@@ -143,7 +146,8 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
     const probe *take = &b[k].probe[b[k].take];
     setting cheap = take->at;
     char words[SETTING_ROOM], other[SETTING_ROOM];
-    const double order = isfinite(b[k].mesh.order) ? b[k].mesh.order : 0.5;
+    const double own = s.own.nx ? b[k].mesh.order : b[k].steps.order; /* of what is refined */
+    const double order = isfinite(own) ? own : 0.5;
     const double wrong =
         fabs(take->got.value / reference - 1) / (mesh ? 1 - pow(mesh == 1 ? 4 : mesh, -order) : 1);
     const double least =
