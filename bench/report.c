@@ -10,8 +10,9 @@
  * elements a quarter as large and four times the steps of the setting advised for the tightest
  * accuracy, tol / 100; where that would take more than 60 s by the costs of half the element size,
  * elements half as large and four times the steps. What such a reference keeps of the error is
- * added by the measured order p, that of the steps where the scene has one mesh: the difference over 1 - 4^-p (half: 1 - 2^-p), 0.5 without an
- * order. Scenes of dynamics: their steps follow the mesh.
+ * added by the measured order p, that of the steps where the scene has one mesh: the difference
+ * over 1 - 4^-p (half: 1 - 2^-p), 0.5 without an order. Scenes of dynamics: their steps follow the
+ * mesh.
  *
  * Grid: mesh by sqrt(2), steps by 2, the tolerance as advised, every setting up to twice the CPU of
  * the advised one. A setting of the grid counts if it and all settings of the grid that are as fine
