@@ -96,14 +96,8 @@ static double find_cheapest(const scene *s, const setting *advised, double secon
       if ((s->own.nx ? before.nx == here.nx : i > 0) ||
           (s->own.steps ? fewer.steps == here.steps : j > 0))
         continue;
-      if (j > 0 && grid[i][j - 1].seconds > 2 * seconds) { /* more steps cost more */
-        g->seconds = grid[i][j - 1].seconds;
-        continue;
-      }
-      if (i > 0 && grid[i - 1][j].seconds > 2 * seconds) { /* so does a finer mesh */
-        g->seconds = grid[i - 1][j].seconds;
-        continue;
-      }
+      g->seconds = fmax(i ? grid[i - 1][j].seconds : 0, j ? grid[i][j - 1].seconds : 0);
+      if (g->seconds > 2 * seconds) continue; /* a finer mesh and more steps cost more */
       const scene_answer got = run_at(s, here, 4 * seconds);
       *g = (grid_cell){isfinite(got.value), fabs(got.value / reference - 1), got.seconds};
     }
@@ -135,10 +129,7 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
   if (!scene_find(name, &s, &status, &error)) exit(1);
   stop_on(status, name, &error);
   for (int k = 0; k < ACCURACIES; k++) {
-    b[k] = (budget){.scene = &s,
-                    .of = 1 << OF_FORCE | (s.dynamic << OF_CURVE),
-                    .accuracy = accuracies[k],
-                    .limit = cpu};
+    b[k] = (budget){&s, .of = 1 << OF_FORCE, .accuracy = accuracies[k], .limit = cpu};
     stop_on(budget_run(&b[k], &error), name, &error);
   }
   const double reference =
