@@ -10,8 +10,9 @@
  * elements a quarter as large and four times the steps of the setting advised for the tightest
  * accuracy, tol / 100; where that would take more than 60 s by the costs of half the element size,
  * elements half as large and four times the steps. What such a reference keeps of the error is
- * added by the measured order p: the difference over 1 - 4^-p (half: 1 - 2^-p), 0.5 without an
- * order. Scenes of dynamics: their steps follow the mesh.
+ * added by the measured order p, that of the steps where the scene has one mesh: the difference
+ * over 1 - 4^-p (half: 1 - 2^-p), 0.5 without an order. Scenes of dynamics: their steps follow the
+ * mesh.
  *
  * Grid: mesh by sqrt(2), steps by 2, the tolerance as advised, every setting up to twice the CPU of
  * the advised one. A setting of the grid counts if it and all settings of the grid that are as fine
@@ -95,14 +96,8 @@ static double find_cheapest(const scene *s, const setting *advised, double secon
       if ((s->own.nx ? before.nx == here.nx : i > 0) ||
           (s->own.steps ? fewer.steps == here.steps : j > 0))
         continue;
-      if (j > 0 && grid[i][j - 1].seconds > 2 * seconds) { /* more steps cost more */
-        g->seconds = grid[i][j - 1].seconds;
-        continue;
-      }
-      if (i > 0 && grid[i - 1][j].seconds > 2 * seconds) { /* so does a finer mesh */
-        g->seconds = grid[i - 1][j].seconds;
-        continue;
-      }
+      g->seconds = fmax(i ? grid[i - 1][j].seconds : 0, j ? grid[i][j - 1].seconds : 0);
+      if (g->seconds > 2 * seconds) continue; /* a finer mesh and more steps cost more */
       const scene_answer got = run_at(s, here, 4 * seconds);
       *g = (grid_cell){isfinite(got.value), fabs(got.value / reference - 1), got.seconds};
     }
@@ -134,7 +129,7 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
   if (!scene_find(name, &s, &status, &error)) exit(1);
   stop_on(status, name, &error);
   for (int k = 0; k < ACCURACIES; k++) {
-    b[k] = (budget){.scene = &s, .accuracy = accuracies[k], .limit = cpu};
+    b[k] = (budget){&s, .of = 1 << OF_FORCE, .accuracy = accuracies[k], .limit = cpu};
     stop_on(budget_run(&b[k], &error), name, &error);
   }
   const double reference =
@@ -143,7 +138,8 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
     const probe *take = &b[k].probe[b[k].take];
     setting cheap = take->at;
     char words[SETTING_ROOM], other[SETTING_ROOM];
-    const double order = isfinite(b[k].mesh.order) ? b[k].mesh.order : 0.5;
+    const double own = s.own.nx ? b[k].mesh.order : b[k].steps.order; /* of what is refined */
+    const double order = isfinite(own) ? own : 0.5;
     const double wrong =
         fabs(take->got.value / reference - 1) / (mesh ? 1 - pow(mesh == 1 ? 4 : mesh, -order) : 1);
     const double least =

@@ -3,13 +3,15 @@
  * nothing; and the same as text on stdout. Names and words, which are anybody's bytes, go through
  * quote(); the pictures are gnuplot's, within the page.
  */
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "report.h"
 
-enum { MOST_PICTURE = 280000 }; /* bytes: four pictures and the tables stay below 1 MB */
+static const double readable = 10; /* pixels of the page that the smallest letters have at least */
+enum { MOST_PICTURE = 280000 };    /* bytes: four pictures and the tables stay below 1 MB */
 
 /* Colours follow the reader's; pictures are drawn on white and turned in the dark. */
 static const char head[] =
@@ -250,6 +252,17 @@ static void write_picture(const page *p, const char *text) {
   }
 }
 
+/* Returns the size of the smallest letters, in pixels of the picture. */
+static double smallest_letters(const char *text) {
+  double least = 16;
+  for (const char *at = text; (at = strstr(at, "font-size=\"")) != NULL;) {
+    double size;
+    at += strlen("font-size=\"");
+    if (read_real(&at, &size) && size > 0 && size < least) least = size;
+  }
+  return least;
+}
+
 int page_picture(page *p, const char *directory, const char *name, const char *words) {
   double width, height;
   char *text = read_picture(directory, name);
@@ -258,13 +271,14 @@ int page_picture(page *p, const char *directory, const char *name, const char *w
   if (at) at += strlen("0 0 ");
   const int good = after && at && read_real(&at, &width) && read_real(&at, &height);
   if (good) {
+    const double least = width * readable / smallest_letters(text);
     p->pictures++;
     /* a wide picture scrolls on a small screen, where its words would be too small */
     fprintf(p->html,
             "<figure><div class=\"wide\"><svg role=\"img\" aria-label=\"%s\" viewBox=\"0 0 %g %g\" "
             "style=\"max-width:%gpx;min-width:%gpx\" xmlns=\"http://www.w3.org/2000/svg\" "
             "xmlns:xlink=\"http://www.w3.org/1999/xlink\">",
-            quote(AS_HTML, words).text, width, height, width, 0.75 * width);
+            quote(AS_HTML, words).text, width, height, fmax(width, least), least);
     write_picture(p, after + 1);
     fprintf(p->html, "</div><figcaption>%s</figcaption></figure>\n", quote(AS_HTML, words).text);
     if (p->text)

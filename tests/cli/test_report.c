@@ -11,6 +11,18 @@
 
 enum { most_bytes = 1000000 };
 
+/* The letters of each picture are 10 pixels high at least where the page is narrow. */
+static void expect_letters(const char *page) {
+  double wide = 0, least = 0, size;
+  for (const char *at = page; (at = strpbrk(at + 1, "<vmf")) != NULL;) {
+    (void)sscanf(at, "viewBox=\"0 0 %lf", &wide);
+    (void)sscanf(at, "min-width:%lfpx;", &least);
+    (void)sscanf(at, "min-width:%lfpx\"", &least);
+    if (sscanf(at, "font-size=\"%lf\"", &size) == 1 && size > 0)
+      ck_assert_msg(size * least / wide > 9.99, "%g of %g px in %g px", size, wide, least);
+  }
+}
+
 /* Every tag is closed in its order; nothing is loaded; no id stands twice. */
 static void expect_page(const char *name) {
   const char *page = contents(name);
@@ -43,6 +55,7 @@ static void expect_page(const char *name) {
     ck_assert_msg(strstr(at + 1, key) == NULL, "%s: %s stands twice", name, id);
     ids++;
   }
+  expect_letters(page);
   ck_assert_msg((ids > 0) == (strstr(page, "<svg") != NULL), "%s: %d ids", name, ids);
 }
 
