@@ -51,6 +51,6 @@ for name in $names; do
       x = 100 * (b / m - 1); if (x < .05 && x > -.05) x = 0
       printf (x ? "%+.1f %%" : "%d"), x; if (a - s) printf " (%+d)", a - s }') |"
   done
-  case $line in *"| 0 | 0 |") idle="${idle:+$idle, }\`$name\` $(value_of "$name")" ;; *) echo "$line" ;; esac
+  case $line in *"| 0 | 0 |") idle="${idle:+$idle, }\`$name\`" ;; *) echo "$line" ;; esac
 done
 [ -z "${idle:-}" ] || printf '\nWithout an effect on these problems: %s.\n' "$idle"

@@ -6,7 +6,7 @@
  *
  *   definite    least over largest eigenvalue of the scaled W = P^T L^T K^-1 L P
  *   answers     of random q at frictions 0.3, 1 and 3: how many have a certified answer by auto
- *   pulls       nodes at which P r pulls though all densities press, of those that carry any
+ *   pull        most that P r pulls at a node, over the largest reaction; all densities press
  *   error       density of the normal reactions beside that of a fine mesh, at nodes 2 <= x <= 3
  */
 #include <math.h>
@@ -34,7 +34,7 @@ static const struct {
 
 typedef struct weighting_row {
   double least, definite, unique, pull, error;
-  int answers, asked, pulls, carrying, nc;
+  int answers, asked, nc;
 } weighting_row;
 
 /* Counts certified answers of random q. */
@@ -70,11 +70,8 @@ static double *weighting_density(grid *g, weighting_row *row) {
   double most = 0;
   for (int k = 0; k < g->line; k++)
     most = fmax(most, R[g->d * k]);
-  for (int k = 0; k < g->line; k++) {
-    row->carrying += R[g->d * k] != 0;
-    row->pulls += R[g->d * k] < -1e-12 * most;
+  for (int k = 0; k < g->line; k++)
     row->pull = fmin(row->pull, R[g->d * k] / most);
-  }
   for (int c = 0; c < g->candidates; c++)
     r[c] = r[g->d * c] / g->area[c];
   free(R);
@@ -172,27 +169,26 @@ int papers_weighting(FILE *page, const char *out) {
               "\n"
               "Yes. Quadratic edges give entries down to %.3f, nine-node faces down to %.4f. "
               "The method loses Propositions 2 and 3\n"
-              "and nothing else. W = P^T (L^T K^-1 L) P stays positive definite, so that every "
-              "load has an answer: of %d random loads\n"
+              "and nothing else. W = P^T (L^T K^-1 L) P stays positive definite, so that "
+              "every load has an answer: of %d random loads\n"
               "at frictions 0.3, 1 and 3, auto answered %d.\n"
               "\n"
               "P costs conditioning, with and without negative entries: the least eigenvalue "
               "over the largest is %.2f to %.2f times\n"
-              "that of concentrated reactions. Densities obey the laws. Their equivalents P r "
-              "pull at some corners beside the border\n"
+              "that of concentrated reactions. Densities obey the laws. Their equivalents P "
+              "r pull at some corners beside the border\n"
               "of contact, by up to %.0f %% of the largest reaction. Four-node faces have no "
               "negative entry.\n"
               "\n"
               "The table has boxes of linear and quadratic elements with loads like those of "
               "jean-fig3, in 2D and 3D, friction %g.\n"
-              "Error: of the normal density at 2 <= x <= 3. Its reference is the mean of both "
-              "kinds on %d linear and %d quadratic\n"
+              "Error: of the normal density at 2 <= x <= 3. Its reference is the mean of "
+              "both kinds on %d linear and %d quadratic\n"
               "edges, %d x %d four-node and %d x %d nine-node faces.\n"
               "\n"
-              "| contact line or face | contacts | reactions | least entry of P | eigenvalues "
-              "of W, least / largest | one answer below friction | random loads answered | "
-              "nodes that pull | largest pull | error |\n"
-              "|---|---|---|---|---|---|---|---|---|---|\n",
+              "| contact line or face | contacts | reactions | least entry of P | "
+              "eigenvalues of W, least / largest | one answer below friction | error |\n"
+              "|---|---|---|---|---|---|---|\n",
               row[1][0][1].least, row[3][0][1].least, asked, answers, ratio, most, 100 * pull,
               scene_mu, kind[0].finest, kind[1].finest, kind[2].finest, kind[2].finest,
               kind[3].finest, kind[3].finest);
@@ -202,11 +198,8 @@ int papers_weighting(FILE *page, const char *out) {
         const weighting_row *r = &row[k][n][w];
         if (!r->nc) continue;
         FILE *const kept = n > (k < 2) ? NULL : page; /* the screen shows all */
-        bench_print(kept, "| %s | %d | %s | %.3g | %.1e | %.2g | ", kind[k].name, r->nc,
-                    w ? "weighted" : "concentrated", r->least, r->definite, r->unique);
-        if (r->asked) bench_print(kept, "%d of %d", r->answers, r->asked);
-        bench_print(kept, " | %d of %d | %.0e | %.1e |\n", r->pulls, r->carrying, fabs(r->pull),
-                    r->error);
+        bench_print(kept, "| %s | %d | %s | %.3g | %.1e | %.2g | %.1e |\n", kind[k].name, r->nc,
+                    w ? "weighted" : "concentrated", r->least, r->definite, r->unique, r->error);
       }
   bench_print(page, "\n![Densities along the line, and their error](papers_weighting.png)\n");
   return 0;
