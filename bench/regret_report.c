@@ -182,7 +182,7 @@ void regret_report(FILE *page, int count, const result *results) {
       print_worst(page, count, results, &bands[b], tol, taken);
     }
   print_unsolved(page, count, results);
-  print_kinds(page, count, results, x);
+  print_kinds(NULL, count, results, x); /* the screen */
   free(x);
   free(taken);
 }
