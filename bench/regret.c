@@ -189,7 +189,7 @@ static int open_page(plan *p, const char *out, int argc, char **argv) {
         "to the same tolerance. 1: auto loses nothing. Unsolved: auto fails, a method does not; "
         "such problems are in no median. Methods are stopped at twice the CPU of auto: if none "
         "solves by then, regret counts as 0.5. Slower than peer: auto takes longer than the best "
-        "solver of Siconos; worst to peer: CPU of auto over it.\n",
+        "solver of Siconos; worst to peer: CPU of auto over it. The screen has a table by kind.\n",
         p->page);
   return 0;
 }

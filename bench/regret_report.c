@@ -7,7 +7,7 @@
 #include "regret.h"
 
 static const struct band { int least, most; /* contacts */ } bands[] = {{16, 100}, {101, 4000}};
-enum { band_count = sizeof bands / sizeof bands[0], worst_shown = 3 };
+enum { band_count = sizeof bands / sizeof bands[0], worst_shown = 2 };
 
 static int ascending(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
@@ -182,7 +182,7 @@ void regret_report(FILE *page, int count, const result *results) {
       print_worst(page, count, results, &bands[b], tol, taken);
     }
   print_unsolved(page, count, results);
-  print_kinds(page, count, results, x);
+  print_kinds(NULL, count, results, x); /* the screen */
   free(x);
   free(taken);
 }

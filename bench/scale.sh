@@ -43,10 +43,6 @@ more() {
 rm -f "$out/page"
 table 'All kinds' --sizes 300,1000,3000,10000 --limit 2 --seed 4 --only auto
 table 'Packings beside single methods and the peer' --kind packing --sizes 300,2500,20000 --seed 6 --limit 12 --only auto,nlgs,momentum
-table 'Discs that have settled' --kind discs --sizes 300,1000,3000,10000 --seed 4 --seeds 2 --limit 6 --only auto,nlgs,momentum,anderson
-table 'Balls that have settled' --kind balls --sizes 300,1000,3000,10000 --seed 4 --seeds 2 --limit 6 --only auto,nlgs,momentum,anderson
-table 'Packings at rest, ten seeds' --kind packing-rest --sizes 8000,19500 --seed 2 --seeds 5 --limit 25 --no-peer --only auto,nlgs
-table 'Packings to 1e-8' --kind packing --sizes 300,700,2500,6000 --tol 1e-8 --seed 4 --seeds 2 --limit 10 --no-peer --only auto,nlgs
 
 hard='--sizes 1000,3000,10000 --seed 2 --limit 12 --no-peer --only auto'
 # shellcheck disable=SC2086
