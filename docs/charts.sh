@@ -58,7 +58,6 @@ draw chart-wall 1 chart "$p/wall-6x5-push0.3-mu1.hdf5"
 draw chart-cube 1 chart "$p/h8-12-tilt-mu0.3.hdf5"
 "$build/delassus" scene jean-fig3 --mesh 64x32 --quiet --save "$p/jean-fig3-64x32.hdf5" >/dev/null || exit 2
 draw sensitivity-jean 0 info --sensitivity "$p/jean-fig3-64x32.hdf5"
-draw map-jean 3 map jean-fig3
 draw map-wedge 1 map data/failures/c03-jam-below.txt --mu 0:3
 draw map-catalogue 1 map data/failures/c*.txt
 draw map-condition 0.5 map jean-fig3 --against condition
