@@ -7,7 +7,7 @@
 #include "regret.h"
 
 static const struct band { int least, most; /* contacts */ } bands[] = {{16, 100}, {101, 4000}};
-enum { band_count = sizeof bands / sizeof bands[0], worst_shown = 3 };
+enum { band_count = sizeof bands / sizeof bands[0], worst_shown = 2 };
 
 static int ascending(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
