@@ -168,8 +168,10 @@ static dls_status kept_solve(void *data, double *x, dls_error *error) {
 /* Returns 1 if a second look may show that the pair holds, or that it does not. */
 static int kept_is_open(dlsi_kept *kept, double tol, const dls_certificate *found) {
   if (4 * found->floor_e > fmax(tol, 1e-8)) return 1;
-  return dlsi_certificate_verdict(found, tol) == DLS_STALLED &&
-         dlsi_forces_dwarf(&kept->body, kept->scratch);
+  if (dlsi_certificate_verdict(found, tol) != DLS_STALLED) return 0;
+  dls_certificate loose = *found;
+  dlsi_forces_loose(&kept->body, kept->scratch, &loose);
+  return dlsi_certificate_verdict(&loose, tol) != DLS_STALLED;
 }
 
 dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const double *mu,
@@ -179,10 +181,9 @@ dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const doub
   dls_certificate found;
   dlsi_body_measure(body, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found);
   const int none = dlsi_max_abs(r, (size_t)H->d * (size_t)H->candidates) == 0;
-  const int open = kept->has_K && !body->joint && kept_is_open(kept, tol, &found);
   if (kept->has_K && regular && none)
     dlsi_forces_loose(body, kept->scratch, &found); /* K x = f alone */
-  if (open && !(none && dlsi_certificate_verdict(&found, tol) != DLS_STALLED)) {
+  else if (kept->has_K && !body->joint && kept_is_open(kept, tol, &found)) {
     const dlsi_own of = {body, kept_solve, kept};
     dls_status status = kept_factor(kept, H, error);
     if (!status)
