@@ -103,15 +103,15 @@ static void print_unsolved(FILE *page, int count, const result *results) {
   bench_print(
       page,
       "\nSolved by auto, by no method in twice its time: %d. Solved by none of them in their "
-      "limits: %d.\n",
+      "limits: %d, which the screen names.\n",
       alone, nobody);
   for (int k = 0; k < count; k++) {
     if (isfinite(results[k].automatic) || isfinite(results[k].best)) continue;
-    bench_print(page, "%s ", "\n-");
-    print_command(page, &results[k]);
-    bench_print(page, ", auto: %s", dls_status_text(results[k].status));
+    bench_print(NULL, "%s ", "\n-");
+    print_command(NULL, &results[k]);
+    bench_print(NULL, ", auto: %s", dls_status_text(results[k].status));
   }
-  bench_print(page, "\n");
+  bench_print(NULL, "\n");
 }
 
 /* Returns the k-th tolerance among the results; 0 past the last. */
@@ -129,7 +129,7 @@ static double tolerance_at(int count, const result *results, int k) {
 static void print_kinds(FILE *page, int count, const result *results, double *x) {
   bench_print(page,
               "\n## By kind\n\nThe worst regret of a kind, and the worst to the peer, at each "
-              "tolerance; kinds with a regret\nof 2 or more, the screen has all.\n\n| kind |");
+              "tolerance; kinds with a regret\nof 3 or more, the screen has all.\n\n| kind |");
   int tols = 0;
   for (double tol; (tol = tolerance_at(count, results, tols)) > 0; tols++)
     bench_print(page, " %g | peer |", tol);
@@ -147,7 +147,7 @@ static void print_kinds(FILE *page, int count, const result *results, double *x)
       worst = fmax(worst, figures_of(count, results, NULL, results[k].kind,
                                      tolerance_at(count, results, t), x)
                               .worst);
-    FILE *const kept = worst >= 2 ? page : NULL;
+    FILE *const kept = worst >= 3 ? page : NULL;
     bench_print(kept, "| %s |", results[k].kind);
     for (int t = 0; t < tols; t++) {
       const figures f =
