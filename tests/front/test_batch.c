@@ -170,15 +170,14 @@ START_TEST(memory) {
 END_TEST
 
 /* Beside an entry of 1e202 r_t has to be 0, which no state of the contact allows: nothing is
- * solved. */
+ * solved. The states' matrices are singular to rounding, so that no verdict is due, either. */
 START_TEST(noise_is_no_answer) {
   const double W[] = {0.03125, 2.25, 1.4423069849040525e+202, 2}, q[] = {-2.40625, 0.84375};
   const double mu = 0.03;
   const dls_contact problem = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = &mu};
   double r[2] = {0, 0}, *at_r[] = {r};
   dls_certificate c;
-  ck_assert_int_eq(dls_solve_batch(1, &problem, NULL, at_r, NULL, NULL, NULL),
-                   DLS_NO_SOLUTION_LIKELY);
+  ck_assert_int_eq(dls_solve_batch(1, &problem, NULL, at_r, NULL, NULL, NULL), DLS_STALLED);
   ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, NULL), DLS_OK);
   ck_assert(!dls_certificate_holds(&c, 1e-8));
 }
