@@ -215,7 +215,7 @@ static void measure_scale(const dlsi_body *body, const double *g, const double *
   for (size_t k = 0; k < m; k++) {
     const double gk = g ? g[k] : 0;
     double force = fabs(r[k]);
-    if (arm[k] * force > *of->forces.most) force = *of->forces.most / arm[k];
+    if (has_K && arm[k] * force > *of->forces.most) force = *of->forces.most / arm[k];
     of->scale[k] = hypot(hypot(u[k] - gk, gk), body->w[2 * (k / d) + (k % d > 0)] * force);
   }
 }

@@ -48,7 +48,7 @@ $(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/s
 # make check-mpi RANKS=2: on two ranks only
 RANKS = 1 2 4
 .PHONY: check-mpi
-check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)
+check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(PROGRAM) $(MPI_EXAMPLES)
 	@tests/mpi/run.sh $(BUILD) $(RANKS)
 
 $(BUILD)/bench/mpi $(BUILD)/bench/mpi_global: $(BUILD)/bench/%: $(BUILD)/obj/bench/%.o $(call obj,bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
