@@ -15,8 +15,7 @@
 
 enum { most_iterations = 5000, window = 10, most_landings = 3 };
 
-static const double tidy =
-    1e-8; /* of the largest reaction: what is taken away from one outside its cone */
+static const double tidy = 1e-8; /* of the largest reaction: a distance from the cones */
 
 /* ---- the model ------------------------------------------------------------------------------- */
 
@@ -464,6 +463,7 @@ static dls_status solve_split(dls_global *work, dls_error *error) {
 static void solve_tidy(dls_global *work) {
   const size_t m = (size_t)work->m;
   double most = 0, moved = 0;
+  if (!work->system) return;
   for (size_t k = 0; k < m; k++) {
     work->r[k] = work->best_r[k] * work->root[k];
     most = fmax(most, fabs(work->best_r[k]));
@@ -473,15 +473,13 @@ static void solve_tidy(dls_global *work) {
     work->look[k] = work->before[k] - work->r[k];
     moved = fmax(moved, fabs(work->look[k] / work->root[k]));
   }
-  if (!work->system || !(moved > tidy * most)) return;
+  if (!(moved > tidy * most)) return;
   dls_certificate now;
   memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
   memset(work->y, 0, (size_t)work->n * sizeof *work->y);
   dlsi_global_push(work, work->look, work->y);
   for (int j = 0; j < work->n; j++) {
-    double v, stiffness = 0;
-    for (int at = 0, i; dlsi_body_entry(&work->model, j, &at, &i, &v);)
-      stiffness += i == j ? v : 0;
+    const double stiffness = dlsi_body_diagonal(&work->model, j);
     work->x[j] += stiffness > 0 ? work->y[j] / stiffness : 0;
   }
   (void)dlsi_global_measure(work, work->before, &now);
@@ -499,13 +497,13 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
   solve_begin(work, f, g, mu, r, x);
   status = solve_split(work, error);
   if (status < 0) return status;
-  if (dls_solved(status)) solve_tidy(work);
   double predicted = 0;
   if (dls_solved(status) && info && !work->unread) {
     const dls_status failed = dlsi_global_accuracy(work, &predicted, error);
     if (failed) return failed;
     status = dlsi_certificate_verdict(&work->best, work->limits->tol);
   }
+  if (dls_solved(status)) solve_tidy(work);
   if (work->m > 0) memcpy(r, work->best_r, (size_t)work->m * sizeof *r);
   for (int j = 0; j < work->n; j++)
     x[j] = work->best_x[j] + work->own[j] + work->flight[j];

@@ -435,7 +435,7 @@ static dls_status newton_create(newton *N, dls_global *work, dls_error *error) {
                 .s = work->is_split ? fmin(1, work->rho)
                      : work->system ? 1
                                     : host_s,
-                .unit = newton_unit(work)};
+                .unit = work->system ? 0 : newton_unit(work)};
   if (work->system) /* slip: H_n alone, H_n and H_t p, twice */
     status = dlsi_triplets_alloc(work->n + work->m, work->n + work->m,
                                  2 * (size_t)work->model.Ks.p[n] + n + m + 6 * (size_t)work->H.p[m],

@@ -11,8 +11,8 @@ while read -r room budget; do
 done <<END
 include 4922
 src/base 1312
-src/contact 3570
-src/linear 4095
+src/contact 3576
+src/linear 4096
 src/geometry 1194
 lcp 3448
 vi 9767

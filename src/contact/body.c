@@ -157,11 +157,8 @@ dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d,
   contact_block *block = dlsi_alloc(1, sizeof *block);
   const dls_status status = place && diagonal && block ? DLS_OK : dlsi_no_memory(error);
   for (size_t k = 0; !status && k < n; k++) {
-    double v;
     place[k] = -1;
-    diagonal[k] = 0;
-    for (int at = 0, i; dlsi_body_entry(model, (int)k, &at, &i, &v);)
-      if (i == (int)k) diagonal[k] += v;
+    diagonal[k] = dlsi_body_diagonal(model, (int)k);
   }
   for (int c = 0; !status && c < (int)nc; c++) {
     const int tangents = H->p[d * c + 1] < H->p[d * c + d];

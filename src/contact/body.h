@@ -37,6 +37,9 @@ typedef struct dlsi_body {
  * symmetric K. Sets *at to the next entry; returns 0 past the last. */
 int dlsi_body_entry(const dls_model *model, int j, int *at, int *row, double *value);
 
+/* Returns K_jj. */
+double dlsi_body_diagonal(const dls_model *model, int j);
+
 /* Computes y := K x and, if a is not NULL, a := |K||x|. x, y, a: n, apart. */
 void dlsi_body_multiply(const dls_model *model, const double *x, double *y, double *a);
 

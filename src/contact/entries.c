@@ -27,6 +27,13 @@ int dlsi_body_entry(const dls_model *model, int j, int *at, int *row, double *va
   return 1;
 }
 
+double dlsi_body_diagonal(const dls_model *model, int j) {
+  double v, sum = 0;
+  for (int at = 0, i; dlsi_body_entry(model, j, &at, &i, &v);)
+    sum += i == j ? v : 0;
+  return sum;
+}
+
 void dlsi_body_multiply(const dls_model *model, const double *x, double *y, double *a) {
   const size_t n = (size_t)model->n;
   const int symmetric = model->factorization != DLS_LU;

@@ -4,9 +4,9 @@
  *   (EB1)  e = K x - f - H r,   a = |K||x| + |f| + |H||r|
  *   (EB2)  of a connected body     |e| / s,   s = |H||r| + min(|f|, 100 |H||r|), but at least 1e-12
  *          of the largest s; s = |f| + |H||r| if no contact touches the body; the load of before
- *          the split (body->balanced) where f' and |H||r| are below 1e-12 of it
- *          |H||r| is at most | |K||x| + |f| | of all bodies: reactions that cancel where nothing
- *          deforms measure nothing
+ *          the split (body->balanced) where f' and |H||r| are below 1e-12 of it. |H||r| is at
+ *          most the norm of |K||x| + |f| of all bodies: reactions that cancel where nothing deforms
+ *          measure nothing
  *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H||r| + |G l|, but at
  *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints
  *   (EB4)  of the joints of these bodies   |G^T x - b| / s_l,   s_l = | |G|^T y + |b| |

@@ -32,6 +32,7 @@ enum { most_steps = 4 };
 
 static const double suspicious = 1e-10; /* of |f|: (OW4) is worth its solves */
 static const double noise = 512;        /* (OW4) */
+static const double laws_hold = 1e-8;   /* residuals that need no (OW7) */
 static const double cancels = 1e4;      /* times y: a y - d that has lost digits (OW6) */
 
 typedef struct own_arrays {
@@ -264,10 +265,7 @@ static dls_status own_mend(const own_arrays *w, const double *f, const double *r
 
 /* Returns K_jj, 1 if K is given by a function. */
 static double own_diagonal(const dlsi_body *body, int j) {
-  double v, sum = body->multiply != NULL;
-  for (int at = 0, i; !body->multiply && dlsi_body_entry(body->model, j, &at, &i, &v);)
-    sum += i == j ? v : 0;
-  return sum;
+  return body->multiply ? 1 : dlsi_body_diagonal(body->model, j);
 }
 
 void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *rest,
@@ -306,7 +304,7 @@ void dlsi_own_blur(const dlsi_body *body, const long double *x, double *parts, d
     }
 }
 
-/* (OW7) Raises blur. x: x_own; e: n, shaken: n, blurred: m, scratch. */
+/* (OW7) Raises blur. x: x_own; e: n, shaken: n, blurred: m, scratch. Costs a split. */
 static dls_status own_shake(const own_arrays *w, const long double *x, double *e,
                             long double *shaken, double *blurred, double *blur, dls_error *error) {
   const dlsi_body *body = w->of->body;
@@ -343,9 +341,6 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
     status = dlsi_own_split(of, w.f, own, rest, error);
     if (!status) {
       dlsi_own_blur(body, own, w.sums, blur);
-      status = own_shake(&w, own, e, shaken, blurred, blur, error);
-    }
-    if (!status) {
       dlsi_own_balanced(body, w.f, rest, balanced);
       dlsi_own_look(body, own, gap);
       for (size_t j = 0; j < n; j++)
@@ -354,12 +349,18 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
     }
     for (int turn = 0, again = 1; !status && again && turn < 2; turn++) {
       again = 0;
-      status = own_mend(&w, rest, r, x, y, e, own, &again, error);
+      status = own_mend(&w, rest, r, x, y, e, shaken, &again, error);
     }
     if (!status) {
       split.balanced = balanced;
       split.blur = blur;
       dlsi_body_measure(&split, rest, gap, mu, r, y, u, work, certificate);
+      if (!(fmax(certificate->residual_u, certificate->residual_r) <= laws_hold)) {
+        status = own_shake(&w, own, e, shaken, blurred, blur, error);
+        if (!status) dlsi_body_measure(&split, rest, gap, mu, r, y, u, work, certificate);
+      }
+    }
+    if (!status) {
       for (size_t k = 0; k < m; k++)
         u[k] = g ? g[k] : 0;
       for (size_t j = 0; j < n; j++)

@@ -532,9 +532,49 @@ START_TEST(penalty) {
 }
 END_TEST
 
+/* A block whose upper corner penalties of unlike size move: pressed down and along the ground, its
+ * side on a wall that the corner just touches. The reactions are those of moderate penalties, and
+ * that of the wall, rounding beside the penalty, is in its cone. */
+START_TEST(unlike_penalties) {
+  static const double sizes[][2] = {
+      {1e8, 1e8}, {7e13, 1e9}, {1e11, 1e10}, {1e12, 3e12}, {3e18, 2e18}};
+  static const int count[3] = {4, 2, 1};
+  const double up[2] = {0, 1}, back[2] = {-1, 0}, v[2] = {.125, -.0625};
+  double r[5][16], x[64], mu[6];
+  for (int k = 0; k < 5; k++) {
+    solids S;
+    dls_reduction *reduction;
+    solids_new(&S, 2, 15, 6);
+    (void)solids_block(&S, count, 1);
+    for (int c = 0; c < 5; c++)
+      solids_contact(&S, c, -1, up, 0);
+    solids_contact(&S, 14, -1, back, .125);
+    for (int i = 0; i < 2; i++)
+      solids_spring(&S, 14, i, sizes[k][i]);
+    const dls_model *model = solids_model(&S);
+    for (int i = 0; i < 2; i++)
+      S.f[28 + i] = sizes[k][i] * v[i];
+    for (int c = 0; c < 6; c++)
+      mu[c] = .3;
+    ck_assert(!dls_reduction_create(&reduction, model, NULL, NULL));
+    ck_assert(!dls_reduction_load(reduction, S.f, S.g, NULL));
+    ck_assert_int_eq(dls_reduction_solve(reduction, mu, NULL, r[k], NULL, x, NULL, NULL), DLS_OK);
+    ck_assert_double_gt(r[k][0] + r[k][2] + r[k][4] + r[k][6] + r[k][8], 1e-3);
+    for (int c = 0; c < 5; c++)
+      for (int i = 0; i < 2; i++)
+        ck_assert_double_eq_tol(r[k][2 * c + i], r[0][2 * c + i], 1e-7);
+    ck_assert_double_ge(r[k][10], 0);
+    ck_assert_double_le(fabs(r[k][11]), .3 * r[k][10] * (1 + 1e-9));
+    dls_reduction_destroy(reduction);
+    solids_free(&S);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("rest", NULL, NULL, EACH(box_on_a_slope, 0, 4), EACH(stack_that_is_pushed, 0, 4),
              EACH(grasp, 0, 4), EACH(warm_block, 0, 30), EACH(walls_that_press, 0, 3),
              ONCE(error_on_K), ONCE(warm_from_r), ONCE(wrong_behind_heat),
-             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8), EACH(large_friction, 0, 2));
+             ONCE(failing_mallocs_of_a_split), EACH(penalty, 0, 8), ONCE(unlike_penalties),
+             EACH(large_friction, 0, 2));
 }
