@@ -14,23 +14,26 @@
  *
  * METIS draws from rand(), whose state belongs to the host: (DS3) restores the state. METIS also
  * catches SIGABRT and SIGTERM while it runs, in case it lacks memory, and afterwards restores them
- * as handlers of one signal: (DS3) restores the host's handlers. A SIGTERM sent to the host ends
- * METIS: it is passed to the host, and if the host goes on, METIS starts again.
+ * as handlers of one signal: (DS3) restores the host's handlers. METIS's handler of SIGTERM jumps
+ * out of whatever runs, malloc included, which spoils the heap: a thread of (DS3) puts the host's
+ * handler back as soon as METIS has set its own, and the caller's thread holds SIGTERM back until
+ * METIS has ended.
  * Cost: O(entries), and METIS. Fails: no memory.
  */
-#define _XOPEN_SOURCE 600 /* initstate, setstate, sigaction */
+#define _XOPEN_SOURCE 600 /* initstate, setstate, sigaction, nanosleep */
 
 #include "linear/dissection.h"
 
 #include <metis.h>
+#include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "contact/contact.h"
-
-enum { most_turns = 16 };
 
 typedef struct graph {
   idx_t n;
@@ -138,27 +141,50 @@ static int metis_has_memory(idx_t count, idx_t edges) {
   return trial != NULL;
 }
 
+typedef struct host {
+  struct sigaction abort, term;
+  atomic_int metis_ended;
+} host;
+
+/* Puts the host's handler of SIGTERM back once METIS has replaced it. */
+static void *host_watch(void *data) {
+  host *const h = data;
+  struct sigaction now = h->term;
+  while (now.sa_handler == h->term.sa_handler && !atomic_load(&h->metis_ended)) {
+    (void)nanosleep(&(struct timespec){.tv_nsec = 20000}, NULL);
+    (void)sigaction(SIGTERM, NULL, &now);
+  }
+  (void)sigaction(SIGTERM, &h->term, NULL);
+  return NULL;
+}
+
 /* (DS3) Fills turn; returns METIS's code. */
 static int metis_run(graph *g, idx_t count) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_COMPRESS] = 0;
-  static const int held[] = {SIGABRT, SIGTERM};
-  int answer = METIS_ERROR;
-  for (int turn = 0; answer == METIS_ERROR && turn < most_turns; turn++) {
-    char state[64];
-    struct sigaction action[2];
-    dlsi_lock();
-    for (int k = 0; k < 2; k++)
-      (void)sigaction(held[k], NULL, &action[k]);
-    char *const host = initstate(1, state, sizeof state);
-    answer = METIS_NodeND(&count, g->x, g->other, g->weight, options, g->mark, g->turn);
-    if (host) setstate(host);
-    for (int k = 0; k < 2; k++)
-      (void)sigaction(held[k], &action[k], NULL);
-    dlsi_unlock();
-    if (answer == METIS_ERROR) (void)raise(SIGTERM);
-  }
+  char state[64];
+  host h = {.metis_ended = 0};
+  sigset_t all, mask;
+  pthread_t watch;
+  dlsi_lock();
+  (void)sigaction(SIGABRT, NULL, &h.abort);
+  (void)sigaction(SIGTERM, NULL, &h.term);
+  (void)sigfillset(&all);
+  (void)pthread_sigmask(SIG_SETMASK, &all, &mask); /* the watch inherits it */
+  const int watched = !pthread_create(&watch, NULL, host_watch, &h);
+  sigset_t without_term = mask;
+  (void)sigaddset(&without_term, SIGTERM);
+  (void)pthread_sigmask(SIG_SETMASK, &without_term, NULL);
+  char *const draws = initstate(1, state, sizeof state);
+  const int answer = METIS_NodeND(&count, g->x, g->other, g->weight, options, g->mark, g->turn);
+  if (draws) setstate(draws);
+  atomic_store(&h.metis_ended, 1);
+  if (watched) (void)pthread_join(watch, NULL);
+  (void)sigaction(SIGABRT, &h.abort, NULL);
+  (void)sigaction(SIGTERM, &h.term, NULL);
+  (void)pthread_sigmask(SIG_SETMASK, &mask, NULL);
+  dlsi_unlock();
   return answer;
 }
 
