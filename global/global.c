@@ -64,6 +64,7 @@ static dlsi_body matrices_body(const matrices *of, int d) {
                      .d = d,
                      .nc = of->operator.candidates,
                      .w = of->w,
+                     .share = of->w + 2 * (size_t)of->operator.candidates,
                      .part = of->part,
                      .joint = of->joints ? of->part + n : NULL,
                      .piece = of->joints ? of->part + 2 * (size_t)n : NULL,
@@ -86,7 +87,7 @@ static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_erro
   const int d = model->d;
   const size_t nc = (size_t)to->operator.candidates, m = (size_t)d * nc;
   dls_status status = dlsi_operator_columns(&to->operator, d, DLSI_ALL, &to->H, error);
-  to->w = dlsi_alloc(2 * nc, sizeof *to->w);
+  to->w = dlsi_alloc(2 * nc + (size_t)model->n, sizeof *to->w);
   to->root = dlsi_alloc(m, sizeof *to->root);
   to->part = dlsi_alloc(3 * (size_t)model->n, sizeof *to->part);
   if (!status && (!to->w || !to->root || !to->part)) status = dlsi_no_memory(error);
@@ -98,6 +99,7 @@ static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_erro
     const dlsi_body body = matrices_body(to, d);
     to->scratch = dlsi_alloc(dlsi_body_scratch(&body), sizeof *to->scratch);
     status = to->scratch ? dlsi_body_weights(&K, &H, d, to->w, error) : dlsi_no_memory(error);
+    if (!status) dlsi_body_shares(&K, to->w + 2 * nc);
   }
   if (!status) matrices_make_round(to, d);
   return status;
@@ -147,6 +149,7 @@ static void global_take(dls_global *work, matrices *from) {
   work->body.model = before.multiply ? NULL : &work->whole;
   work->body.multiply = before.multiply;
   work->body.data = before.data;
+  if (before.multiply) work->body.share = NULL;
   *from = old;
 }
 
@@ -179,7 +182,7 @@ static dls_status matrices_create_on(matrices *to, const dls_model *model, const
   if (!status) status = dlsi_operator_create(&to->operator, model, 0, error);
   if (!status) status = dlsi_operator_columns(&to->operator, model->d, DLSI_ALL, &to->H, error);
   const size_t nc = (size_t)to->operator.candidates;
-  to->w = dlsi_alloc(2 * nc, sizeof *to->w);
+  to->w = dlsi_alloc(2 * nc + (size_t)model->n, sizeof *to->w);
   to->root = dlsi_alloc((size_t)model->d * nc, sizeof *to->root);
   to->part = dlsi_alloc(n, sizeof *to->part);
   if (!status && (!to->w || !to->root || !to->part)) status = dlsi_no_memory(error);

@@ -44,7 +44,7 @@ struct dls_global {
   dlsi_operator operator; /* H^T as it is, P, mu of the model */
   dlsi_columns H;         /* n x m, round */
   dlsi_body body;
-  double *w, *root;         /* 2 nc; m: D^1/2 */
+  double *w, *root;         /* 2 nc, then shares, n; m: D^1/2 */
   int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in place of system, if it has functions */

@@ -66,7 +66,7 @@ static dls_status kept_contacts(dlsi_kept *kept, int has_K, const dlsi_operator 
   const size_t n = (size_t)kept->model.n, nc = (size_t)H->candidates, m = (size_t)H->d * nc;
   kept->body = (dlsi_body){.n = kept->model.n, .Ht = dlsi_columns_view(&H->Ht), .d = H->d};
   kept->body.nc = H->candidates;
-  kept->memory = dlsi_alloc(n + 2 * m + 2 * nc, sizeof(double));
+  kept->memory = dlsi_alloc(2 * n + 2 * m + 2 * nc, sizeof(double));
   kept->part = dlsi_alloc(3 * n, sizeof *kept->part);
   if (!kept->memory || !kept->part) return dlsi_no_memory(error);
   kept->f = kept->memory;
@@ -82,6 +82,10 @@ static dls_status kept_contacts(dlsi_kept *kept, int has_K, const dlsi_operator 
   kept_parts(kept);
   dls_status status = kept_weights(kept, H, error);
   if (!status) status = kept_scratch(kept, error);
+  if (!status) {
+    dlsi_body_shares(&kept->model, kept->w + 2 * nc);
+    kept->body.share = kept->w + 2 * nc;
+  }
   kept->has_K = !status;
   return status;
 }

@@ -12,7 +12,7 @@ done <<END
 include 4922
 src/base 1312
 src/contact 3576
-src/linear 4122
+src/linear 4124
 src/geometry 1194
 lcp 3448
 vi 9767

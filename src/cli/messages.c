@@ -115,22 +115,24 @@ int run_command(int (*run)(int argc, char **argv), char **argv, char *why) {
   return result;
 }
 
-/* Names the part of the certificate with the largest rounding, and how well it holds. */
-static void rounding_words(const dls_certificate *c, char *text, size_t size) {
+/* Names the part of the answer with the largest rounding, and how well it holds. */
+static void rounding_words(const dls_info *info, char *text, size_t size) {
+  const dls_certificate *c = &info->certificate;
   const char *part = "positions";
   double held = fmax(4 * c->floor_u, c->residual_u);
   const double forces = fmax(4 * c->floor_r, c->residual_r);
   const double balance = fmax(4 * c->floor_e, c->equilibrium);
   if (forces > held) part = "forces", held = forces;
   if (balance > held) part = "equilibrium", held = balance;
+  if (info->error > held) part = "reactions", held = info->error;
   (void)snprintf(text, size, " to rounding: %s to %.0e", part, held);
 }
 
 void print_ending(dls_status status, const dls_info *info) {
   char how_well[120] = "", why[160] = "";
   const dls_certificate *c = info ? &info->certificate : NULL;
-  if (c && status == DLS_TO_ROUNDING)
-    rounding_words(c, how_well, sizeof how_well);
+  if (c && status == DLS_TO_ROUNDING && info->error <= DBL_MAX)
+    rounding_words(info, how_well, sizeof how_well);
   else if (c && info->error > DBL_MAX)
     (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined%s",
                    info->forces == DLS_FORCES_LEAST ? ", the least are given" : "");

@@ -13,11 +13,14 @@
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e                                                     equilibrium.c
  *
- *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
- *          |H||r| in the body, the last up to (EB2)'s bound: if loads balance without the contacts,
- *          reactions are rounding, and so is their error. The rounding of one unknown affects the
- *          whole body. So is an F_c of no more than 4 eps times the positions split off
- *          (body->blur). Where D r_c is no more, either, c is left out of (BO4)
+ *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a = |K||x| + |f| + |H||r|, the last up to
+ *          (EB2)'s bound, but at least the largest share of a in the body: if loads balance without
+ *          the contacts, reactions are rounding, and so is their error. The rounding of one unknown
+ *          affects the whole body as far as its row passes it on (dlsi_body_shares). So is an F_c
+ *          of no more than 4 eps times the positions split off (body->blur). Where D r_c is no
+ *          more, either, c is left out of (BO4); with joints, whose loads are not split off, an r_c
+ *          that is not 0 has this bound as its rounding. Where D r_n is more, and r_c outside its
+ *          cone by 1e-4, F_c stays
  *
  * The weights are local: the compliance of the whole body on soft supports would contain the motion
  * of the body. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
@@ -180,6 +183,23 @@ dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d,
   return status;
 }
 
+void dlsi_body_shares(const dls_model *model, double *share) {
+  const int symmetric = model->factorization != DLS_LU;
+  memset(share, 0, (size_t)model->n * sizeof *share);
+  for (int j = 0; j < model->n; j++) {
+    double v;
+    for (int at = 0, i; dlsi_body_entry(model, j, &at, &i, &v);) {
+      if (i == j) continue;
+      share[i] += fabs(v);
+      if (symmetric) share[j] += fabs(v);
+    }
+  }
+  for (int j = 0; j < model->n; j++) {
+    const double stiffness = dlsi_body_diagonal(model, j);
+    share[j] = share[j] < stiffness ? share[j] / stiffness : 1;
+  }
+}
+
 /* ---- the measure ----------------------------------------------------------------------------- */
 
 /* Arrays of a measure, in `work`: m unless said otherwise. */
@@ -224,14 +244,14 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   double *most = of->forces.sums;
   memset(most, 0, (size_t)body->parts * sizeof *most);
   memset(of->hidden, 0, m * sizeof *of->hidden);
-  for (int j = 0; j < body->n; j++) {
-    const double stress = fmax(0, of->forces.Hr[j] - *of->forces.most);
-    if (!body->joint || !body->joint[j])
-      body_raise(&most[body->part[j]], of->forces.ae[j] - stress);
-  }
-  for (int j = 0; j < body->n; j++)
-    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
-      of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * most[body->part[j]];
+  for (int turn = 0; turn < 2; turn++)
+    for (int j = 0; j < body->n; j++) {
+      const double a = of->forces.ae[j] - fmax(0, of->forces.Hr[j] - *of->forces.most);
+      const double share = body->share ? body->share[j] : 1;
+      if (!turn && !(body->joint && body->joint[j])) body_raise(&most[body->part[j]], share * a);
+      for (int k = Ht->p[j]; turn && k < Ht->p[j + 1]; k++)
+        of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * fmax(a, most[body->part[j]]);
+    }
   for (size_t k = 0; k < m; k++) {
     of->hidden[k] *= 4 * DBL_EPSILON * body->w[2 * (k / d) + (k % d > 0)];
     if (body->blur) of->hidden[k] += 4 * DBL_EPSILON * body->blur[k];
@@ -261,10 +281,11 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
   const int has_K = body->model || body->multiply;
   if (has_K) dlsi_forces_sum(body, f, r, x, &of.forces);
   measure_scale(body, g, r, u, has_K, &of);
-  dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL};
+  dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL, 0};
   if (has_K) {
     measure_hidden(body, &of);
     laws.hidden = of.hidden;
+    laws.shows = body->joint != NULL;
   }
   dlsi_laws_measure(&laws, &found);
   if (has_K) dlsi_forces_measure(body, f, x, &of.forces, &found);

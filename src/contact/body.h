@@ -22,10 +22,11 @@ typedef struct dlsi_body {
   void *data;
   dls_sparse Ht; /* H^T: m x n */
   int d, nc;
-  const double *w;  /* 2 nc: w_n and w_t of each contact, dlsi_body_weights */
-  const int *part;  /* n: the connected body of each unknown, dlsi_body_parts */
-  const int *joint; /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
-  const int *piece; /* n, where there are joints: dlsi_body_pieces */
+  const double *w;     /* 2 nc: w_n and w_t of each contact, dlsi_body_weights */
+  const double *share; /* n: dlsi_body_shares; NULL: 1 */
+  const int *part;     /* n: the connected body of each unknown, dlsi_body_parts */
+  const int *joint;    /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
+  const int *piece;    /* n, where there are joints: dlsi_body_pieces */
   int parts, pieces;
   const double *balanced; /* parts: the load (dlsi_own_balanced) of a body whose loads balance in
                              themselves and have been split off, the scale of its rounding while no
@@ -69,6 +70,10 @@ int dlsi_body_pieces(const dls_model *model, const int *joint, int *piece);
  * DLS_E_MEMORY. */
 dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d, double *w,
                              dls_error *error);
+
+/* Computes the share of a row's rounding that goes on to other rows, n: the sum of its |K_ij|, j !=
+ * i, over K_ii, at most 1. A penalty keeps its own. */
+void dlsi_body_shares(const dls_model *model, double *share);
 
 /* ---- equilibrium.c --------------------------------------------------------------------------- */
 

@@ -231,6 +231,8 @@ static inline double size_of_u(const dlsi_laws *of, size_t e) {
   return of->b ? of->a[e] + fabs(of->b[e]) : of->a[e];
 }
 
+static const double outside = 1e-4; /* of r_n: what no answer "to rounding" has */
+
 /* Squares of the norms whose ratios are the certificate's first fields. The last five are sums over
  * the contacts that are not free. */
 typedef struct measured_sums {
@@ -260,7 +262,8 @@ static inline int is_hidden(int d, const dlsi_laws *of, size_t o) {
  *   free   F = D r is as good as exact                0
  *
  * A contact that sticks, but would slip with another rounding of v_n, adds mu k (a_n + w_n r_n).
- * Where F_c and D r_c are hidden, r_c is 0, and the rounding of its position presses nothing. */
+ * Where F_c and D r_c are hidden, r_c is 0, and the rounding of its position presses nothing; if
+ * `shows`, an r_c that is not 0 is as uncertain as what hides it. */
 static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
                               double *size) {
   const size_t o = (size_t)d * (size_t)k;
@@ -271,6 +274,7 @@ static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_sta
     zero &= zero && w[i > 0] * fabs(r[i]) <= of->hidden[o + (size_t)i];
   for (int i = 0; i < d; i++) {
     size[i] = zero || state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
+    if (zero && of->shows && r[i] != 0) size[i] = of->hidden[o + (size_t)i] / (4 * DBL_EPSILON);
     Dr[i] = w[i > 0] * fabs(r[i]);
     v[i] = w[i > 0] * r[i] - u[i];
   }
@@ -359,9 +363,12 @@ static inline void measure_laws(int d, const dlsi_laws *of, int k, double larges
     raise_to(&c->slip_direction, ut);
 }
 
-/* Sets the F of a contact to 0 if it is no more than `hidden`. */
-static inline void hide_rounding(int d, const dlsi_laws *of, size_t o) {
+/* Sets the F of a contact to 0 if it is no more than `hidden`; but a contact that presses by more
+ * shows a reaction that is far outside its cone. */
+static inline void hide_rounding(int d, const dlsi_laws *of, double mu, const double *w, size_t o) {
+  const double *r = of->r + o, bound = dlsi_friction_bound(mu, r[0]);
   if (!is_hidden(d, of, o)) return;
+  if (w[0] * r[0] > of->hidden[o] && dlsi_tangent_norm(d, r) - bound > outside * r[0]) return;
   for (int i = 0; i < d; i++)
     of->F[o + (size_t)i] = 0;
 }
@@ -383,7 +390,7 @@ static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certifi
       continue;
     }
     const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, rc, uc, Fc);
-    if (of->hidden) hide_rounding(d, of, o);
+    if (of->hidden) hide_rounding(d, of, of->mu[k], w, o);
     magnitudes(d, of, k, state, x);
     sums.touches += state != DLS_FREE;
     for (int i = 0; i < d; i++) {
@@ -444,8 +451,8 @@ void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
-  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r, u,   w,
-                        a,          problem->q,  problem->q,  F, NULL};
+  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r, u,    w,
+                        a,          problem->q,  problem->q,  F, NULL, 0};
   dlsi_laws_measure(&of, certificate);
 }
 

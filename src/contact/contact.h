@@ -329,6 +329,7 @@ typedef struct dlsi_laws {
   const double *scale;  /* residual_u is relative to its norm over the contacts that touch */
   double *F;            /* receives F */
   const double *hidden; /* an F_c with entries up to these is rounding, taken as 0; or NULL */
+  int shows;            /* 1: where reactions are hidden, too, floor_r has `hidden` */
 } dlsi_laws;
 
 /* Fills the residuals, floors and laws of the certificate; equilibrium 0, body -1. */

@@ -177,7 +177,73 @@ START_TEST(rounding) {
 }
 END_TEST
 
+/* Unknowns (t, n) of a node, and one that a penalty of 1e18 holds at 1: K. */
+static const double held[9] = {4, 1, -1, 1, 4, 0, -1, 0, 1e18};
+
+/* What a penalty rounds does not hide a contact elsewhere, and no rounding hides a reaction that is
+ * far outside its cone: contact of unknowns (n, t) = (1, 0), then (1, 2). */
+START_TEST(penalties_hide_little) {
+  const int on_penalty = _i, p[2][4] = {{0, 1, 2, 2}, {0, 0, 1, 2}}, at[2][2] = {{1, 0}, {0, 1}};
+  const double mu[] = {.25}, v[] = {.25, on_penalty ? 1e-18 : .25};
+  double share[3], r[2] = {1, 0}, x[3] = {0, 0, 1}, f[3], u[2];
+  int whole[3];
+  dls_certificate c;
+  stiffness_fill(&S, 3, held, DLS_CHOLESKY, 1);
+  dlsi_body_shares(&S.model, share);
+  ck_assert(share[0] == .5 && share[1] == .25 && share[2] == 1e-18);
+  const dlsi_body body = {.n = 3,
+                          .model = &S.model,
+                          .Ht = {2, 3, p[on_penalty], at[on_penalty], Hx},
+                          .d = 2,
+                          .nc = 1,
+                          .w = v,
+                          .share = share,
+                          .part = whole,
+                          .parts = dlsi_body_parts(&S.model, whole)};
+  for (int wrong = 0; wrong < 3; wrong++) {
+    r[1] = wrong == 1 ? .9 : 0; /* outside the cone */
+    x[1] = wrong == 2 ? -.5 : 0; /* below the ground */
+    const double push[3] = {on_penalty ? 0 : r[1], r[0], on_penalty ? r[1] : 0};
+    dlsi_body_multiply(&S.model, x, f, NULL);
+    for (int k = 0; k < 3; k++)
+      f[k] -= push[k];
+    const double g[] = {0, on_penalty ? -1 : 0};
+    dlsi_body_measure(&body, f, g, mu, r, x, u, work, &c);
+    ck_assert_msg(wrong ? c.residual_r > .1 : c.residual_r == 0, "%d: %g", wrong, c.residual_r);
+  }
+}
+END_TEST
+
+/* A joint pulls with 1e16, which the loads balance: a reaction of 4 is rounding, and says so. */
+START_TEST(joints_show_rounding) {
+  const double K[9] = {1, 0, 0, 0, 1, 1e8, 0, 1e8, 0}, mu[] = {.25}, v[] = {1, 1};
+  const double x[] = {0, 0, 1e8}, r[] = {4, 0}, f[] = {0, 1e16 - 4, 0};
+  const int p[] = {0, 1, 2, 2}, of_unknown[] = {1, 0};
+  int whole[3], piece[3];
+  const int joint[] = {0, 0, 1};
+  double u[2];
+  dls_certificate c;
+  stiffness_fill(&S, 3, K, DLS_LDLT, 1);
+  const dlsi_body body = {.n = 3,
+                          .model = &S.model,
+                          .Ht = {2, 3, p, of_unknown, Hx},
+                          .d = 2,
+                          .nc = 1,
+                          .w = v,
+                          .part = whole,
+                          .joint = joint,
+                          .piece = piece,
+                          .parts = dlsi_body_parts(&S.model, whole),
+                          .pieces = dlsi_body_pieces(&S.model, joint, piece)};
+  ck_assert_uint_le(dlsi_body_scratch(&body), 200);
+  dlsi_body_measure(&body, f, NULL, mu, r, x, u, work, &c);
+  ck_assert(c.residual == 0 && c.floor_r > .1);
+  ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
+}
+END_TEST
+
 int main(void) {
   return RUN("body", NULL, NULL, EACH(weights_and_parts, 0, 6), ONCE(weights_guarded),
-             ONCE(exact_pair), ONCE(wrong_pairs), ONCE(rounding));
+             ONCE(exact_pair), ONCE(wrong_pairs), ONCE(rounding),
+             EACH(penalties_hide_little, 0, 2), ONCE(joints_show_rounding));
 }
