@@ -147,7 +147,7 @@ static const struct {
      0,
      {"Take ", "== Error budget ==", "mesh * 2", "weighted reactions", "no friction",
       "Uniqueness: unknown at friction 1", "== Stability ==", "== Contacts =="}},
-    {"report bar-impact --quick --cpu 12 --text -o @",
+    {"report bar-impact --quick --cpu 4 --text -o @",
      "bar-impact.html",
      0,
      {"impulse of the wall and its curve within 1 %", "mesh * 2", "lumped mass", "== Motion",
