@@ -300,40 +300,31 @@ static double time_of(const report *p, size_t index, double target, const choice
   return a ? a->cpu : seconds;
 }
 
-/* Draws the profiles of all scenes of dimension d. */
+/* Draws the profile to 1e-8 of all scenes of dimension d. */
 static int draw_dimension(const report *p, int d) {
-  static const char *const names[TARGETS] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
   const char *labels[curve_count];
   int peer[curve_count], count = 0, good = 1;
   for (size_t s = 0; s < p->scene_count; s++)
     count += p->scenes[s].d == d;
-  double *seconds = malloc(((size_t)count + 1) * TARGETS * curve_count * sizeof *seconds);
-  for (int i = 0; i < curve_count; i++) {
+  double *seconds = malloc(((size_t)count + 1) * curve_count * sizeof *seconds);
+  for (int i = 0, at = 0; i < curve_count; i++) {
     labels[i] = curves[i].label;
     peer[i] = curves[i].peer;
-    for (int k = 0, at = 0; k < TARGETS && seconds; k++, at = 0)
-      for (size_t s = 0; s < p->scene_count; s++) {
-        if (p->scenes[s].d != d) continue;
-        seconds[(k * curve_count + i) * count + at++] = time_of(p, s, targets[k], &curves[i]);
-      }
+    for (size_t s = 0; s < p->scene_count && seconds; s++)
+      if (p->scenes[s].d == d) seconds[at++] = time_of(p, s, targets[TARGETS / 2], &curves[i]);
   }
   char name[40], title[80];
   snprintf(name, sizeof name, "solvers_profile_%dd", d);
-  snprintf(title, sizeof title, "%d scenes in %dD: delassus, and dashed Siconos", count, d);
+  snprintf(title, sizeof title, "%d scenes in %dD to 1e-8: delassus, and dashed Siconos", count, d);
   const profile_picture picture = {.directory = p->directory,
                                    .name = name,
                                    .title = title,
-                                   .notes = "measured CPU of this machine; rings: the limit of CPU "
-                                            "came first",
-                                   .absent = d == 2 ? "3D only" : "2D only",
                                    .solvers = curve_count,
                                    .problems = count,
-                                   .targets = TARGETS,
                                    .solver = labels,
                                    .peer = peer,
-                                   .target = names,
                                    .seconds = seconds};
-  if (count) good = seconds && draw_profiles(&picture);
+  if (count) good = seconds && draw_profile(&picture);
   free(seconds);
   return good ? 0 : -1;
 }

@@ -25,9 +25,9 @@ static void profile_usage(FILE *out) {
   fputs(
       "Usage: delassus profile [OPTION]... FILE|SCENE...\n"
       "  or:  delassus profile [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
-      "Runs each method on many contact problems to tolerances 1e-2 to 1e-14: performance\n"
-      "profiles, each problem, and the CPU of auto over that of the fastest single method. Writes\n"
-      "profile.csv, profile.png and profile.svg.\n"
+      "Runs each method on many contact problems to tolerances 1e-2 to 1e-14: a table of\n"
+      "each, the CPU of auto over that of the fastest single method, and a performance profile to\n"
+      "1e-8. Writes profile.csv, profile.png and profile.svg.\n"
       "\n"
       "  -r, --repeat=N        time each solve up to N times and use the least (15)\n"
       "  -l, --limit=S         CPU seconds for a solve (0.5), or 30 times the fastest if that is\n"
@@ -175,42 +175,28 @@ static void print_auto(const profile *p, double *ratio) {
          PROFILE_RUNGS * p->problems);
 }
 
-static int draw_profile(const profile *p, const char *directory, double limit) {
-  static const char *const targets[] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
+/* Draws the profile of the middle target. */
+static int draw_middle(const profile *p, const char *directory) {
+  const int rung = profile_target[PROFILE_TARGETS / 2];
   const char *solvers[MOST_CONTENDERS];
-  const size_t cells = (size_t)p->solvers * (size_t)p->problems;
-  double *seconds = malloc(PROFILE_TARGETS * cells * sizeof *seconds);
-  char title[120], notes[160];
-  int good = seconds != NULL;
-  for (int k = 0; k < p->solvers; k++)
+  double *seconds = malloc((size_t)p->solvers * (size_t)p->problems * sizeof *seconds);
+  char title[120];
+  if (!seconds) return complain("out of memory");
+  for (int k = 0; k < p->solvers; k++) {
     solvers[k] = p->who[k].name;
-  for (int i = 0; i < p->problems && good; i++)
-    for (int t = 0; t < PROFILE_TARGETS; t++)
-      for (int k = 0; k < p->solvers; k++)
-        seconds[(t * p->solvers + k) * p->problems + i] =
-            *profile_seconds(p, profile_target[t], k, i);
-  (void)snprintf(title, sizeof title, "Every method on %d problem%s", p->problems,
-                 plural(p->problems));
-  (void)snprintf(
-      notes, sizeof notes,
-      "measured CPU. An answer is a solution, or the proof that there is none. Not decided: "
-      "no verdict in %g s of CPU (or 300 times the fastest)",
-      10 * limit);
+    for (int i = 0; i < p->problems; i++)
+      seconds[k * p->problems + i] = *profile_seconds(p, rung, k, i);
+  }
+  (void)snprintf(title, sizeof title, "Every method on %d problem%s, to a residual of %.0e",
+                 p->problems, plural(p->problems), profile_tol[rung]);
   const profile_picture picture = {.directory = directory,
                                    .name = "profile",
                                    .title = title,
-                                   .notes = notes,
-                                   .absent = "takes part in none",
                                    .solvers = p->solvers,
                                    .problems = p->problems,
-                                   .targets = PROFILE_TARGETS,
                                    .solver = solvers,
-                                   .target = targets,
                                    .seconds = seconds};
-  if (good)
-    good = draw_profiles(&picture);
-  else
-    (void)complain("out of memory");
+  const int good = draw_profile(&picture);
   free(seconds);
   return good;
 }
@@ -238,7 +224,7 @@ static int run_profile(int count, char **list, const profile_options *o) {
     for (int t = 0; t < PROFILE_TARGETS && prints_text(); t++)
       print_target(&p, profile_target[t], ratio);
     if (prints_text()) print_auto(&p, ratio);
-    good = draw_profile(&p, out, o->limit);
+    good = draw_middle(&p, out);
   }
   free(ratio);
   free(p.name);

@@ -1,5 +1,5 @@
 /*
- * profile.h: the picture of performance profiles, of delassus profile and of bench/solvers. It
+ * profile.h: the picture of a performance profile, of delassus profile and of bench/solvers. It
  * needs nothing of cli.h.
  */
 #ifndef PROFILE_H
@@ -13,22 +13,19 @@
 #define PROFILE_NOT_DECIDED  (-1.0)
 #define PROFILE_TOOK_NO_PART NAN
 
-/* Times of solvers on problems, one column of the picture for each target. */
+/* Times of solvers on problems, to one tolerance. */
 typedef struct profile_picture {
   const char *directory, *name; /* NAME.dat, .gp, .png, .svg */
-  const char *title, *notes;    /* notes: below it */
-  const char *absent;           /* of a solver that takes part in no problem: "3D only" */
-  int solvers, problems, targets;
+  const char *title;
+  int solvers, problems;
   const char *const *solver; /* names; method_colour() knows them. 0 is auto */
   const int *peer;           /* solvers: 1 for another library, dashed; NULL: none is */
-  const char *const *target; /* "residual 1e-8" */
-  const double *seconds;     /* (target * solvers + solver) * problems + problem */
+  const double *seconds;     /* solver * problems + problem */
 } profile_picture;
 
-/* Draws for each target the profiles [Dolan and More 2002]: the part of the problems that a solver
- * answers in at most tau times the CPU of the fastest, and below them every problem, from quick to
- * slow. Returns 1, or 0 after a complaint if a file cannot be written; a missing gnuplot is told
- * and forgiven. */
-int draw_profiles(const profile_picture *p);
+/* Draws the profiles [Dolan and More 2002] of all that take part in any problem: the fraction of
+ * the problems that a solver answers in at most tau times the CPU of the fastest. Returns 1, or 0
+ * after a complaint if a file cannot be written; a missing gnuplot is told and forgiven. */
+int draw_profile(const profile_picture *p);
 
 #endif

@@ -317,11 +317,13 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
   return -1;
 }
 
-/* Tries a candidate; returns 1 if it is within the accuracy and its check agrees. */
+/* Tries a candidate, to a tolerance and, where that is too loose for so many steps, to that of the
+ * ladders; returns 1 if it is within the accuracy and its check agrees. */
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
   const setting at = candidate_setting(b, c, 0, 0, tol);
   const int k = run_probe(b, &at, "search", error);
-  if (k < 0 || b->probe[k].got.status || !(asked_error(b, k) <= b->accuracy)) return 0;
+  if (k < 0 || b->probe[k].got.status || !(asked_error(b, k) <= b->accuracy))
+    return k >= 0 && tol < c->of->tol && try_candidate(b, c, c->of->tol, error);
   const int run = run_check(b, c, tol, error);
   const int check = run >= 0 && isfinite(b->probe[run].got.value) ? run : -1;
   double error_of = asked_error(b, k);
@@ -334,11 +336,13 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
   return b->met = error_of <= b->accuracy;
 }
 
-/* Takes the finest mesh, unless what was tried is better, and finds by the order of the mesh what
- * would be enough. */
+/* Takes the finest level, unless what was tried is better, and finds by the order what would be
+ * enough. */
 static void take_the_best(budget *b) {
-  const ladder *of =
-      b->graded.low <= b->graded.high && b->graded.doubt < b->mesh.doubt ? &b->graded : &b->mesh;
+  const ladder *mesh = &b->mesh, *steps = &b->steps, *edge = &b->graded;
+  const ladder *of = edge->low <= edge->high && edge->doubt < mesh->doubt ? edge
+                     : mesh->low <= mesh->high                            ? mesh
+                                                                          : steps;
   int best = b->own;
   for (int level = of->low; level <= of->high; level++)
     if (ladder_probe(b, of, level) >= 0) best = ladder_probe(b, of, level);
@@ -350,12 +354,14 @@ static void take_the_best(budget *b) {
   }
   /* the error that is left falls with the order; without one, with the least order */
   const double order = isfinite(of->order) ? of->order : least_order;
+  const double factor = pow(2, is_mesh(b, of) ? -0.5 * order : -order);
   if (of->low > of->high || b->disagree) return;
   for (int more = 1; more <= MOST_LEVELS; more++) {
-    if (b->error * pow(2, -0.5 * more * order) > b->accuracy) continue;
-    b->enough = setting_scaled(b->scene, of->high + more, of->steps, of->tol);
-    b->enough.grade = of->grade;
-    b->enough_seconds = foreseen_seconds(b, of, of->high + more, of->steps);
+    const int level = of->high + more;
+    if (b->error * pow(factor, more) > b->accuracy) continue;
+    b->enough = at_level(b, of, level);
+    b->enough_seconds = of == steps ? foreseen_seconds(b, mesh, 0, level)
+                                    : foreseen_seconds(b, of, level, of->steps);
     return;
   }
 }
@@ -412,7 +418,7 @@ static void make_reference(budget *b) {
 static void measure(budget *b, dls_error *error) {
   const probe *own = &b->probe[b->own];
   b->steps.part = "steps";
-  ladder_climb(b, &b->steps, steps_share, error);
+  ladder_climb(b, &b->steps, own->at.nx ? steps_share : mesh_share, error);
   b->tol.part = "tolerance";
   b->tol.steps = b->mesh.steps = b->scene->dynamic ? 0 : coarsest(b, &b->steps, steps_part);
   b->tol.mesh = own->got.seconds > slow * b->limit ? -2 : 0;

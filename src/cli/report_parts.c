@@ -105,7 +105,7 @@ static int make_part(parts *a, const char *what, const char *options, int (*run)
 void part_speed(parts *a, int step) {
   char path[PATH_ROOM], options[40], of_step[24] = "";
   if (step) (void)snprintf(of_step, sizeof of_step, " --step=%d", step);
-  (void)snprintf(options, sizeof options, "--budget=%.2g%s", a->cpu, of_step);
+  (void)snprintf(options, sizeof options, "--budget=%.2g --repeat=5%s", a->cpu, of_step);
   if (!make_part(a, "chart", options, command_chart, path)) return;
   (void)page_picture(a->page, path, "chart.svg",
                      "Every method: residual, cost, error and convergence");
@@ -217,7 +217,7 @@ void part_stability(parts *a) {
   const int rows = steps ? MAP_OF_STEPS : MAP_OF_METHODS;
   char path[PATH_ROOM], options[60];
   (void)snprintf(options, sizeof options, "--rows=%d --limit=%.2g", rows,
-                 a->cpu / (steps ? STEP_CELLS : rows * METHODS));
+                 a->cpu / (steps ? STEP_CELLS : 2 * rows * METHODS));
   if (!make_part(a, "map", options, command_map, path)) return;
   const int drawn = page_picture(a->page, path, "map.svg",
                                  steps ? "Does the scene finish? Friction against steps"

@@ -64,8 +64,10 @@ void budget_accuracy(const budget *b, page *p) {
   char text[24], more[SETTING_ROOM];
   const scene *s = b->scene;
   page_say(p, PAGE_PLAIN, "Accuracy, from %s, %.6g %s, and the finest run:",
-           isfinite(s->exact) ? "the closed form" : "the limit of the meshes", b->reference,
-           s->unit);
+           isfinite(s->exact)            ? "the closed form"
+           : b->mesh.low <= b->mesh.high ? "the limit of the meshes"
+                                         : "the limit of the steps",
+           b->reference, s->unit);
   page_table(p, "what,within,estimated error of the reference,asked");
   for (quantity_of of = OF_FORCE; of < OF_COUNT; of++) {
     if (!(s->has >> of & 1)) continue;
@@ -80,7 +82,9 @@ void budget_accuracy(const budget *b, page *p) {
              percent(b->doubt[OF_FORCE], text));
   else if (!b->met && b->enough_seconds > 0)
     page_say(p, PAGE_PLAIN, "Not decided. By %s %s would be enough, in about %.2g s of CPU.",
-             isfinite(b->mesh.order) ? "the measured order" : "an order of 0.5",
+             isfinite(b->mesh.low <= b->mesh.high ? b->mesh.order : b->steps.order)
+                 ? "the measured order"
+                 : "an order of 0.5",
              setting_text(s, &b->enough, 0, more), b->enough_seconds);
 }
 
