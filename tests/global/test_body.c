@@ -201,7 +201,7 @@ START_TEST(penalties_hide_little) {
                           .part = whole,
                           .parts = dlsi_body_parts(&S.model, whole)};
   for (int wrong = 0; wrong < 3; wrong++) {
-    r[1] = wrong == 1 ? .9 : 0; /* outside the cone */
+    r[1] = wrong == 1 ? .9 : 0;  /* outside the cone */
     x[1] = wrong == 2 ? -.5 : 0; /* below the ground */
     const double push[3] = {on_penalty ? 0 : r[1], r[0], on_penalty ? r[1] : 0};
     dlsi_body_multiply(&S.model, x, f, NULL);
@@ -244,6 +244,6 @@ END_TEST
 
 int main(void) {
   return RUN("body", NULL, NULL, EACH(weights_and_parts, 0, 6), ONCE(weights_guarded),
-             ONCE(exact_pair), ONCE(wrong_pairs), ONCE(rounding),
-             EACH(penalties_hide_little, 0, 2), ONCE(joints_show_rounding));
+             ONCE(exact_pair), ONCE(wrong_pairs), ONCE(rounding), EACH(penalties_hide_little, 0, 2),
+             ONCE(joints_show_rounding));
 }

@@ -227,12 +227,16 @@ typedef long double real;
 static const double balanced = 1e-6, of_rows = 1e-4, of_laws = 1e-5, rounding = 1e-14;
 static const double unit = 0.125; /* of planted lengths; the least planted force */
 
-/* Rows of f + H r - K x and their sizes; size: of the body of a row, or of a joint. */
+/* Rows of f + H r - K x and their sizes; size: of the body of a row, or of a joint. The loads of a
+ * body that no other force touches are its scale, to 1e-8. */
 static rest_verdict judge_balance(const rest *p, const double *x, const double *r) {
   real left[REST_UNKNOWNS], load[REST_UNKNOWNS], inner[REST_UNKNOWNS] = {0};
   real size[REST_BODIES] = {0}, lengths = unit;
-  for (int b = 0; b < p->bodies; b++)
+  int alone[REST_BODIES];
+  for (int b = 0; b < p->bodies; b++) {
     size[b] = unit;
+    alone[b] = 1;
+  }
   for (int i = 0; i < p->n; i++)
     lengths = fmaxl(lengths, fabsl((real)x[i]));
   for (int i = 0; i < p->n; i++) {
@@ -250,7 +254,12 @@ static rest_verdict judge_balance(const rest *p, const double *x, const double *
       inner[i] += fabsl(t);
       if (is_rigid(p->kind) && p->body[i] >= 0) load[i] += fabsl(t);
     }
+    if (p->body[i] >= 0 && load[i] > 0) alone[p->body[i]] = 0;
     if (p->body[i] >= 0 && !p->fixed[i]) size[p->body[i]] = fmaxl(size[p->body[i]], load[i]);
+  }
+  for (int i = 0; i < p->n; i++) {
+    const int b = p->body[i];
+    if (b >= 0 && alone[b]) size[b] = fmaxl(size[b], 1e-8 / of_rows * fabs(p->own[i]));
   }
   for (int i = 0; i < p->n; i++) {
     const int b = p->body[i];
