@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "contact/body.h"
 #include "contact/contact.h"
 #include "delassus/model.h"
 #include "run.h"
@@ -185,8 +186,35 @@ START_TEST(weightings) {
 }
 END_TEST
 
+/* Two frames without stiffness or contacts, each of two bodies, a joint between them and one to the
+ * ground: no diagonal entry tells bodies and joints apart, the order does. */
+START_TEST(joints_without_stiffness) {
+  const int is_joint[2][8] = {{0, 0, 0, 0, 1, 1, 1, 1}, {0, 1, 0, 1, 0, 0, 1, 1}};
+  const int frame[2][8] = {{0, 1, 0, 1, 0, 0, 1, 1}, {0, 0, 0, 0, 1, 1, 1, 1}};
+  double K[64] = {0};
+  int body[2][2], joint[2][2], count[2][2] = {{0}}, found[8];
+  for (int k = 0; k < 8; k++) {
+    const int of = frame[_i][k], is = is_joint[_i][k];
+    (is ? joint : body)[of][count[is][of]++] = k;
+  }
+  for (int of = 0; of < 2; of++)
+    for (int k = 0; k < 2; k++)
+      for (int l = k; l < 2; l++) {
+        const int i = body[of][l], j = joint[of][k + l == 2 ? 1 : 0];
+        K[i + 8 * j] = K[j + 8 * i] = k == l ? 1 : -1;
+      }
+  const dls_model model = {.d = 2,
+                           .n = 8,
+                           .operator_kind = DLS_STIFFNESS_DENSE,
+                           .factorization = DLS_LDLT,
+                           .K = {8, 8, 8, K}};
+  ck_assert_int_eq(dlsi_body_joints(&model, NULL, found), 4);
+  ck_assert_mem_eq(found, is_joint[_i], sizeof found);
+}
+END_TEST
+
 int main(void) {
   return RUN("model", NULL, NULL, ONCE(entries_that_are_read), ONCE(triangles_for_lu),
              ONCE(triangles_for_cholesky), ONCE(triangles_from_the_first_entry),
-             ONCE(limits_of_sizes), ONCE(weightings));
+             ONCE(limits_of_sizes), ONCE(weightings), EACH(joints_without_stiffness, 0, 2));
 }
