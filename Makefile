@@ -322,6 +322,7 @@ TEST_SMALL ?= 0
 $(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0) -DTEST_SMALL=$(TEST_SMALL)
 # a test of the program runs the program of this tree
 $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/cli/test_*.c)): | $(PROGRAM)
+$(BUILD)/tests/cli/test_budget: $(call obj,src/cli/report_budget.c)
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 

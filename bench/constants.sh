@@ -31,7 +31,7 @@ solved=$1 all=$2 mean=$3
 cat <<HEAD
 # What each constant of auto is worth
 
-Written by \`SEED=$seed bench/constants.sh\`: $(date -u '+%d %B %Y'), commit $(git describe --always --dirty=' and changes'), $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //').
+Written by \`SEED=$seed bench/constants.sh\`: $(bench/where.sh).
 
 $all generated problems (bench/auto_total.c), 24 to 500 contacts, to 1e-6 and
 1e-8. Unchanged, auto solves $solved of them, at $mean sweeps (geometric mean of the cost by src/auto/price.c, which is

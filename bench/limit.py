@@ -6,6 +6,7 @@ max lambda, H r + f0 + lambda f1 = 0, |r_t| <= mu r_n. From the top of the tree:
 """
 import os
 import statistics
+import subprocess
 import sys
 import time
 
@@ -164,7 +165,8 @@ def long_arch(out):
 
 if __name__ == "__main__":
     page = ["# Limit loads beside a linear programme", "",
-            f"`/usr/bin/python3 bench/limit.py`, HiGHS of SciPy {scipy.__version__}. Walls in running bond under their "
+            f"`/usr/bin/python3 bench/limit.py`: {subprocess.check_output('bench/where.sh', text=True).strip()}, HiGHS of SciPy "
+            f"{scipy.__version__}. Walls in running bond under their "
             "weight, lambda times the weight sideways; blocks 1 x 0.5.", ""]
     walls(page)
     arches(page)

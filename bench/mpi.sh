@@ -30,7 +30,7 @@ done
 {
   echo "# Reduction and solve on MPI"
   echo
-  echo "\`make MPI=1 bench-mpi\`, least of $rounds rounds; $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), $(nproc) cores,"
+  echo "\`make MPI=1 bench-mpi\`, least of $rounds rounds; $(bench/where.sh), $(nproc) cores,"
   echo "load $(cut -d' ' -f1 /proc/loadavg) at the end (wall seconds count only where it is not above the number of ranks). Wall and CPU: of the slowest"
   echo "rank; CPU: outside of MPI, without messages and waiting. MUMPS: used by the largest rank; all: resident memory of the"
   echo "largest rank."

@@ -18,7 +18,7 @@ done
   echo "# The problem on K on MPI"
   echo
   echo "\`make MPI=1 bench-mpi-global\`: plate of 100 x 100 x 3 elements, all nodes below are contacts, friction .3, tolerance"
-  echo "1e-8; least of $rounds rounds; $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), $(nproc) cores, load at the begin of the"
+  echo "1e-8; least of $rounds rounds; $(bench/where.sh), $(nproc) cores, load at the begin of the"
   echo "runs: $(cut -d, -f1 "$rows" | tr '\n' ' '). Wall seconds count only where that is below the number of cores. CPU: of the"
   echo "slowest rank, outside of MPI. Memory: of the largest rank."
   echo

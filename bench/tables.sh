@@ -77,7 +77,7 @@ study() {
   cat <<HEAD
 # The tables of Chabrand, Dubois and Raous (1998)
 
-Written by \`make bench-tables\`: $(date -u '+%d %B %Y'), commit $(git describe --always --dirty=' and changes' 2>/dev/null), $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), one BLAS thread.
+Written by \`make bench-tables\`: $(bench/where.sh), one BLAS thread.
 
 Paper: minutes, and their ratio to Lemke. Here: seconds of CPU without files, their ratio to Lemke, and two parts;
 the rest is assembly.

@@ -338,6 +338,9 @@ START_TEST(calculix) {
                    4);
   ck_assert_double_eq_tol(number[1], 10.9375, 1e-12);
   ck_assert(strncmp(get("out/x.csv"), "node,direction,x\n7,1,0.93", 24) == 0);
+  put("one.txt", "5\n");
+  ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/one.txt --mu 1"), 2);
+  ck_assert(strstr(output, "holds 1 number, must hold 2, or rows of node, direction") != NULL);
   put("job.dof", "7.1\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/loads.txt --mu 1"),
                    2);
@@ -470,6 +473,7 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/ragged.txt --HN @/N.txt", "line 2 has 1 number,"},
       {"--stiffness @/empty.txt --HN @/N.txt", "holds no number"},
       {"--stiffness @/K.txt --HN @/N.txt --f @/three.txt", "must hold 2"},
+      {"--stiffness @/K.txt --HN @/N.txt --f @/row.txt", "must hold 2"},
       {"--stiffness @/K.txt --HN @/N.txt --g @/three.txt", "--g:"},
       {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu @/three.txt",
        "holds 3 numbers, must hold 1"},
@@ -500,6 +504,7 @@ START_TEST(bad_matrices_are_2) {
   put("N.txt", "0\n1\n");
   put("f.txt", "5 -10\n");
   put("three.txt", "1\n2\n3\n");
+  put("row.txt", "1 2 3\n");
   put("words.txt", "1 2\ntwo 3\n");
   put("ragged.txt", "1 2\n3\n");
   put("empty.txt", "# nothing\n");
