@@ -309,7 +309,7 @@ $(BUILD)/rounded/%: examples/%.c $(BUILD)/obj/tests/examples/rounded.o $(FE) $(F
 TEST_HELPERS := $(call obj,$(wildcard tests/shared/*.c))
 # malloc and calloc of our own code (not of MUMPS) go through the wrappers of tests/shared/malloc_fails.c, its errors
 # through the one of tests/shared/errors.c
-WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc dlsi_dmumps dlsi_fail)
+WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free dlsi_dmumps dlsi_fail)
 comma = ,
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(FILES) $(A)

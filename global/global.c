@@ -150,6 +150,8 @@ static void global_take(dls_global *work, matrices *from) {
   work->body.multiply = before.multiply;
   work->body.data = before.data;
   if (before.multiply) work->body.share = NULL;
+  work->body.ranks = work->history.ranks = before.ranks;
+  work->body.nc = work->nc;
   *from = old;
 }
 
@@ -190,7 +192,8 @@ static dls_status matrices_create_on(matrices *to, const dls_model *model, const
   memset(to->K.p, 0, (n + 1) * sizeof *to->K.p);
   memcpy(to->w, body->w, 2 * nc * sizeof *to->w);
   memcpy(to->part, body->part, n * sizeof *to->part);
-  const dlsi_body of = matrices_body(to, model->d);
+  dlsi_body of = matrices_body(to, model->d);
+  of.ranks = body->ranks;
   to->scratch = dlsi_alloc(dlsi_body_scratch(&of), sizeof *to->scratch);
   if (!to->scratch) return dlsi_no_memory(error);
   matrices_make_round(to, model->d);
@@ -214,12 +217,11 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
   }
   work->d = model->d;
   work->n = model->n;
-  work->nodes = model->nodes;
-  work->nc = of.operator.candidates;
+  work->nodes = body ? body->nc : model->nodes;
+  work->nc = body ? body->nc : of.operator.candidates;
   work->m = work->d * work->nc;
   work->whole.factorization = model->factorization;
   if (solver) work->solver = *solver;
-  work->spread.rows = work->n;
   if (body) work->body = *body;
   global_take(work, &of);
   dlsi_arena arena = {0};

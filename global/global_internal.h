@@ -22,14 +22,6 @@
 
 /* ---- the workspace --------------------------------------------------------------------------- */
 
-/* What a rank does with vectors of n of which it has rows of its own. */
-typedef struct dlsi_spread_rows {
-  int first, rows;
-  void (*sum)(void *data, double *x, int count); /* x := the sums of all ranks; NULL: one process */
-  void (*gather)(void *data, double *x);         /* takes the rows of the others */
-  void *data;
-} dlsi_spread_rows;
-
 /* *proved := 1 if no answer exists. */
 typedef dls_status (*dlsi_global_proof)(void *data, int *proved, dls_error *error);
 
@@ -44,12 +36,11 @@ struct dls_global {
   dlsi_operator operator; /* H^T as it is, P, mu of the model */
   dlsi_columns H;         /* n x m, round */
   dlsi_body body;
-  double *w, *root;         /* 2 nc, then shares, n; m: D^1/2 */
+  double *w, *root;         /* 2 nc, then shares, n; m: D^1/2; with ranks of their reach */
   int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in place of system, if it has functions */
-  dlsi_spread_rows spread;
-  dlsi_global_proof prove; /* in place of motion.c, or NULL */
+  dlsi_global_proof prove;  /* in place of motion.c, or NULL */
   void *prover;
   double *R;       /* m: rho D^-1, for the solver */
   double accuracy; /* asked of the solver's next solve */
@@ -91,8 +82,9 @@ struct dls_global {
 
 /* ---- global.c -------------------------------------------------------------------------------- */
 
-/* *out := a problem whose K is elsewhere. Reads d, n, nodes, factorization, HN, HT of `model`.
- * body: its multiply, data, w, part, parts are borrowed. solver: copied. */
+/* *out := a problem whose K is elsewhere. Reads d, n, nodes, factorization, HN, HT of `model`; with
+ * ranks n is of this rank, and nodes are those that its rows of H touch, its own first.
+ * body: its multiply, data, ranks, nc, w, part, parts are borrowed. solver: copied. */
 dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const dlsi_body *body,
                                  const dls_global_solver *solver, dls_error *error);
 
@@ -103,12 +95,19 @@ dls_status dlsi_global_prove_for(dls_global *work, const double *f, const double
 
 /* ---- pair.c ---------------------------------------------------------------------------------- */
 
-/* u := H^T x + g and v += H r with the round H. */
+/* u := H^T x + g and v += H r with the round H; g: m, NULL for 0. */
+void dlsi_global_look_from(const dls_global *work, const double *g, const double *x, double *u);
 void dlsi_global_look(const dls_global *work, const double *x, double *u);
 void dlsi_global_push(const dls_global *work, const double *r, double *v);
 
 /* Returns 1 if the own deformation can be split off, and has not been. */
 int dlsi_global_can_split(const dls_global *work);
+
+/* Returns 1 if there are contacts, on any rank. */
+int dlsi_global_touches(const dls_global *work);
+
+/* Returns the mean of w_n. */
+double dlsi_global_compliance(const dls_global *work);
 
 /* Returns 1 if K = 0. */
 int dlsi_global_is_rigid(const dls_global *work);
@@ -175,10 +174,10 @@ dls_status dlsi_global_accuracy(dls_global *work, double *predicted, dls_error *
 
 /* ---- krylov.c -------------------------------------------------------------------------------- */
 
-/* A z = b with a preconditioner. Vectors have n + k entries. */
+/* A z = b with a preconditioner. Vectors have `size` entries, of this rank. */
 typedef struct dlsi_krylov {
-  int n, k;
-  dlsi_spread_rows spread;
+  size_t size;
+  const dlsi_ranks *ranks;
   void *data;
   void (*apply)(void *data, const double *z, double *w);
   dls_status (*precondition)(void *data, double *b, double *z, dls_error *error);

@@ -45,7 +45,9 @@ dls_status dlsi_global_split_off(dls_global *work, dls_error *error) {
   const size_t n = (size_t)work->n;
   long double *x = malloc((n + 1) * sizeof *x);
   double *rest = dlsi_alloc(n, sizeof *rest);
-  dls_status status = x && rest ? loads_factor(work, error) : dlsi_no_memory(error);
+  dls_status status = x && rest ? DLS_OK : dlsi_no_memory(error);
+  status = dlsi_joined_status(work->body.ranks, status, error);
+  if (!status) status = loads_factor(work, error);
   if (!status) status = dlsi_own_split(&of, work->f, x, rest, error);
   if (!status) {
     dlsi_own_balanced(&work->body, work->f, rest, work->balanced);
@@ -69,8 +71,8 @@ dls_status dlsi_global_split_off(dls_global *work, dls_error *error) {
 dls_status dlsi_global_land(dls_global *work, dls_status verdict, dls_error *error) {
   const dlsi_own of = {&work->body, loads_solve, work};
   const double tol = work->limits->tol;
-  if ((verdict != DLS_OK && verdict != DLS_TO_ROUNDING) || work->body.joint || work->m == 0 ||
-      !(4 * work->best.floor_e > fmax(tol, 1e-8)))
+  if ((verdict != DLS_OK && verdict != DLS_TO_ROUNDING) || work->body.joint ||
+      !dlsi_global_touches(work) || !(4 * work->best.floor_e > fmax(tol, 1e-8)))
     return verdict;
   memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
   dls_status status = loads_factor(work, error);

@@ -85,7 +85,7 @@ typedef struct newton {
   int spatial;       /* 1: some contact slips in 3D */
   double hold;       /* E of (GN2) is hold E */
   double s;          /* of (GN1) */
-  double *w, unit;   /* (GN6): max(n + m, d m); of the rows of contact */
+  double *w, unit;   /* (GN6): max(n + m, d m); of the rows of contact, force / work^1/2 */
   uint64_t draw;     /* (GN4): where the draws are; 0: none */
 } newton;
 
@@ -134,7 +134,9 @@ static int newton_sort(newton *N, const double *r, int first_step) {
     *b = now;
   }
   N->unknowns = first;
-  return changed;
+  double any = changed;
+  dlsi_join(work->body.ranks, DLSI_MOST, &any, 1);
+  return any > 0;
 }
 
 /* e := direction j of (GN1): of the reactions (test = 0), or of the test of positions. */
@@ -187,19 +189,16 @@ static double newton_stiffness(const branch *b, int j) {
 /* e := G^T H^T x for the unknowns of contact. */
 static void newton_tests(const newton *N, const double *x, double *e) {
   const dls_global *work = N->global;
-  const dlsi_columns *H = &work->H;
   const int d = work->d;
-  for (int c = 0; c < work->nc; c++) {
-    double u[3] = {0};
-    for (int i = 0; i < d && N->of[c].count; i++)
-      for (int k = H->p[d * c + i]; k < H->p[d * c + i + 1]; k++)
-        u[i] += H->x[k] * x[H->i[k]];
+  dlsi_global_look_from(work, NULL, x, work->look);
+  for (int c = 0; c < work->nc; c++)
     for (int j = 0; j < N->of[c].count; j++) {
-      double G[3];
+      double G[3], sum = 0;
       branch_vector(d, work->bend[c], &N->of[c], j, 1, G);
-      e[N->of[c].first + j] = G[0] * u[0] + G[1] * u[1] + G[2] * u[2];
+      for (int i = 0; i < d; i++)
+        sum += G[i] * work->look[d * c + i];
+      e[N->of[c].first + j] = sum;
     }
-  }
 }
 
 /* Gives the host P. */
@@ -217,14 +216,6 @@ static dls_status newton_block(newton *N, dls_error *error) {
         B[d * d * c + k] += stiffness * G[k % d] * G[k / d] / (root[k % d] * root[k / d]);
     }
   return dlsi_host_prepare(work->solver.block, work->solver.data, B, error);
-}
-
-/* Returns the unit of the rows of contact: force / work^1/2. */
-static double newton_unit(const dls_global *work) {
-  double w = 0;
-  for (int c = 0; c < work->nc; c++)
-    w += work->w[2 * c] / work->nc;
-  return 1 / sqrt(w);
 }
 
 /* w := A z */
@@ -283,11 +274,12 @@ static dls_status newton_precondition(void *data, double *b, double *z, dls_erro
 /* v := about A^-1 v */
 static dls_status newton_krylov(newton *N, double eta, dls_error *error) {
   const dls_global *work = N->global;
-  const dlsi_krylov of = {work->n, N->unknowns, work->spread, N, newton_apply, newton_precondition};
+  const size_t size = (size_t)(work->n + N->unknowns);
+  const dlsi_krylov of = {size, work->body.ranks, N, newton_apply, newton_precondition};
   for (int k = 0; k < N->unknowns; k++)
     N->v[work->n + k] *= N->unit;
   const dls_status status = dlsi_krylov_solve(&of, eta, N->v, N->w, error);
-  memcpy(N->v, N->w, (size_t)(work->n + N->unknowns) * sizeof *N->v);
+  memcpy(N->v, N->w, size * sizeof *N->v);
   return status;
 }
 
@@ -435,7 +427,7 @@ static dls_status newton_create(newton *N, dls_global *work, dls_error *error) {
                 .s = work->is_split ? fmin(1, work->rho)
                      : work->system ? 1
                                     : host_s,
-                .unit = work->system ? 0 : newton_unit(work)};
+                .unit = work->system ? 0 : 1 / sqrt(dlsi_global_compliance(work))};
   if (work->system) /* slip: H_n alone, H_n and H_t p, twice */
     status = dlsi_triplets_alloc(work->n + work->m, work->n + work->m,
                                  2 * (size_t)work->model.Ks.p[n] + n + m + 6 * (size_t)work->H.p[m],
@@ -462,6 +454,7 @@ dls_status dlsi_global_newton(dls_global *work, double *r, double hold, uint64_t
   dls_error why = {0};
   const size_t n = (size_t)work->n;
   dls_status status = newton_create(&N, work, error);
+  status = dlsi_joined_status(work->body.ranks, status, error);
   if (draw) {
     N.hold = pow(10, -8 * dlsi_draw(draw));
     N.s = pow(10, -8 * dlsi_draw(draw + 1));

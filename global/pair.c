@@ -57,19 +57,26 @@ dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
   return dlsi_host_prepare(work->solver.prepare, work->solver.data, work->R, error);
 }
 
-void dlsi_global_look(const dls_global *work, const double *x, double *u) {
+void dlsi_global_look_from(const dls_global *work, const double *g, const double *x, double *u) {
   const dlsi_columns *H = &work->H;
-  for (int k = 0; k < work->m; k++) {
-    double sum = work->g[k];
+  double *all = work->body.ranks ? work->body.ranks->scratch : u;
+  for (int k = 0; k < H->cols; k++) {
+    double sum = g && k < work->m ? g[k] : 0;
     for (int e = H->p[k]; e < H->p[k + 1]; e++)
       sum += H->x[e] * x[H->i[e]];
-    u[k] = sum;
+    all[k] = sum;
   }
+  dlsi_body_give(&work->body, DLSI_SUM, all, u);
+}
+
+void dlsi_global_look(const dls_global *work, const double *x, double *u) {
+  dlsi_global_look_from(work, work->g, x, u);
 }
 
 void dlsi_global_push(const dls_global *work, const double *r, double *v) {
   const dlsi_columns *H = &work->H;
-  for (int k = 0; k < work->m; k++)
+  r = dlsi_body_fetch(&work->body, r);
+  for (int k = 0; k < H->cols; k++)
     for (int e = H->p[k]; r[k] != 0 && e < H->p[k + 1]; e++)
       v[H->i[e]] += H->x[e] * r[k];
 }
@@ -92,13 +99,25 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   return DLS_OK;
 }
 
+int dlsi_global_touches(const dls_global *work) {
+  return work->body.ranks ? work->body.ranks->all > 0 : work->m > 0;
+}
+
+double dlsi_global_compliance(const dls_global *work) {
+  double sum[2] = {0, work->nc};
+  for (int c = 0; c < work->nc; c++)
+    sum[0] += work->w[2 * c];
+  dlsi_join(work->body.ranks, DLSI_SUM, sum, 2);
+  return sum[0] / sum[1];
+}
+
 int dlsi_global_is_rigid(const dls_global *work) {
   const dls_sparse *K = &work->model.Ks;
   return dlsi_max_abs(K->x, (size_t)K->p[work->n]) == 0;
 }
 
 int dlsi_global_can_split(const dls_global *work) {
-  return !work->is_split && !work->body.joint && work->m > 0 &&
+  return !work->is_split && !work->body.joint && dlsi_global_touches(work) &&
          (work->body.model || work->body.multiply);
 }
 
@@ -113,7 +132,8 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
     dls_certificate loose = *found;
     dlsi_forces_loose(&work->body, work->scratch, &loose);
     const dls_status then = dlsi_certificate_verdict(&loose, tol);
-    if (then != DLS_STALLED && (work->system || dlsi_max_abs(r, (size_t)work->m) > 0))
+    if (then != DLS_STALLED &&
+        (work->system || dlsi_joined_norm(work->body.ranks, r, (size_t)work->m) > 0))
       return dlsi_split_first;
     if (then != DLS_STALLED) { /* a host's solver holds the bodies: all contacts are open */
       *found = loose;

@@ -79,16 +79,16 @@ static const double flight = 30;             /* (GL14): |rho z| over |r| */
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* Returns |a - b|, b NULL for 0. */
-static double distance(int m, const double *a, const double *b, double *scratch) {
-  for (int k = 0; k < m; k++)
-    scratch[k] = a[k] - (b ? b[k] : 0);
-  return dlsi_norm2(scratch, (size_t)m);
+/* Returns |a - b|, b NULL for 0. Spoils look. */
+static double distance(const dls_global *work, const double *a, const double *b) {
+  for (int k = 0; k < work->m; k++)
+    work->look[k] = a[k] - (b ? b[k] : 0);
+  return dlsi_joined_norm(work->body.ranks, work->look, (size_t)work->m);
 }
 
-/* Sets the states by q = r - rho u; returns how many have changed. */
+/* Sets the states by q = r - rho u; returns 1 if one has changed. */
 static int split_sort(dls_global *work, const double *q) {
-  int changed = 0;
+  double changed = 0;
   for (int c = 0; c < work->nc; c++) {
     const double *qc = q + work->d * c;
     const double R = dlsi_friction_bound(work->bend[c], qc[0]);
@@ -98,7 +98,8 @@ static int split_sort(dls_global *work, const double *q) {
     changed += work->state[c] != (int)now;
     work->state[c] = (int)now;
   }
-  return changed;
+  dlsi_join(work->body.ranks, DLSI_MOST, &changed, 1);
+  return changed > 0;
 }
 
 /* What one look keeps for the next. */
@@ -133,8 +134,7 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
     if (turn != 1) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
   }
   if (work->is_split && gain > 0.5) { /* a body that flies */
-    const double force = dlsi_norm2(work->r, (size_t)work->m);
-    const double slip = dlsi_norm2(work->z, (size_t)work->m);
+    const double force = distance(work, work->r, NULL), slip = distance(work, work->z, NULL);
     if (force > 0 && slip > flight * force) turn = force / slip;
   }
   return fmin(fmax(work->rho * turn, work->is_split ? least_rho_split : least_rho), most_rho);
@@ -142,11 +142,9 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
 
 /* (GL14) */
 static double split_first_rho(const dls_global *work) {
-  double w = 0;
-  for (int c = 0; c < work->nc; c++)
-    w += work->w[2 * c] / work->nc;
-  const double force = sqrt(w) * dlsi_norm2(work->f, (size_t)work->n);
-  const double gap = dlsi_norm2(work->g, (size_t)work->m);
+  const double force = sqrt(dlsi_global_compliance(work)) *
+                       dlsi_joined_norm(work->body.ranks, work->f, (size_t)work->n);
+  const double gap = distance(work, work->g, NULL);
   if (!work->is_split || !(gap > 0 && force > 0)) return first_rho;
   return fmin(first_rho, fmax(least_rho_split, force / gap));
 }
@@ -185,7 +183,7 @@ static void split_advance(dls_global *work, int accelerate, double gap, double *
 /* (GL8) Returns 1 if enough iterations are left to pay for the factors of Newton steps. */
 static int newton_is_due(const dls_global *work, int k, int changed, const dls_certificate *now,
                          const schedule *s) {
-  if (k < s->newton || work->nc == 0) return 0;
+  if (k < s->newton || !dlsi_global_touches(work)) return 0;
   if (!work->system) return work->solver.apply != NULL;
   if (changed) return 0;
   const double gain = s->residual / now->residual, left = now->residual / work->limits->tol;
@@ -355,7 +353,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   dls_status status = dlsi_global_measure(work, work->r, &now);
   if (status != DLS_STALLED) return status;
   const double begun = dlsi_body_badness(&work->best);
-  if (work->solver.apply && m > 0) { /* (GL8) */
+  if (work->solver.apply && dlsi_global_touches(work)) { /* (GL8) */
     memcpy(work->before, work->r, (size_t)m * sizeof *work->r);
     status = dlsi_global_newton(work, work->before, 0, 0, error);
     if (status != DLS_STALLED) return status;
@@ -371,7 +369,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     dlsi_put_on_discs(work->d, work->nc, work->bend, work->q, work->r); /* (GL1) */
     for (int i = 0; i < m; i++)
       work->before[i] = work->r[i] - work->q[i];
-    const double change = distance(m, work->before, work->z, work->look);
+    const double change = distance(work, work->before, work->z);
     memcpy(work->z, work->before, (size_t)m * sizeof *work->z);
     status = dlsi_global_step(work, work->r, work->q, work->g, error); /* (GL2), (GL3) */
     if (status) break;
@@ -380,9 +378,9 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     if (status || proved) return proved ? DLS_NO_SOLUTION : status;
     for (int i = 0; i < m; i++)
       work->p[i] = work->r[i] - work->rho * work->u[i];
-    const double gap = distance(m, work->p, work->q, work->look);
-    const double size = distance(m, work->r, NULL, work->look);
-    dlsi_global_ask(work, gap / distance(m, work->p, NULL, work->look));
+    const double gap = distance(work, work->p, work->q);
+    const double size = distance(work, work->r, NULL);
+    dlsi_global_ask(work, gap / distance(work, work->p, NULL));
     const int adapt = k >= s.look && k % measure_every == 0;
     if (k % measure_every == 0 || work->iterations == most || gap <= work->limits->tol * size) {
       int end;
@@ -390,7 +388,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
       if (end) return status;
       status = DLS_OK;
     }
-    split_advance(work, m > 0 && s.moves, gap, &accepted);
+    split_advance(work, dlsi_global_touches(work) && s.moves, gap, &accepted);
     if (adapt) status = split_adapt(work, k, gap, change, &s, error); /* (GL7) */
   }
   return status ? status : dlsi_global_verdict(work, DLS_MAX_ITERATIONS);

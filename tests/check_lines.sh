@@ -11,8 +11,8 @@ while read -r room budget; do
 done <<END
 include 4922
 src/base 1312
-src/contact 3610
-src/linear 4124
+src/contact 3715
+src/linear 4143
 src/geometry 1194
 lcp 3448
 vi 9767
@@ -25,7 +25,7 @@ src/front 2461
 src/motion 1167
 src/fe 4996
 src/cli 14100
-src/mpi 3668
+src/mpi 3809
 src/python 2872
 src/fortran 579
 tests 69705

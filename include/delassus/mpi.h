@@ -76,7 +76,8 @@ typedef struct dls_mpi_reduction dls_mpi_reduction;
  * compared with MUMPS's estimate. form_W = 0: DLS_E_UNSUPPORTED.
  *
  * Memory of a rank: its share of the factor, three times its share of b^2 doubles (b unknowns that
- * H touches), its entries of K, H, 14 vectors of n; on rank 0 the pattern of K while it is ordered.
+ * H touches), its entries of K, all of H, 12 vectors of its rows; on rank 0 two vectors of n, and
+ * the pattern of K while it is ordered.
  * Errors as dls_reduction_create, and DLS_E_MEMORY if one rank has none. No reference to the model
  * is kept; comm is duplicated. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_create(dls_mpi_reduction **out, MPI_Comm comm,
@@ -156,7 +157,7 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, cons
  * what f alone does to the body where that is needed (docs/certificate.md); dls_certificate_holds
  * and dls_certificate_verdict read it. mu: nodes of this rank; r: d nodes; x: rows; u: receives
  * H^T x + g, d nodes, or NULL. *certificate is equal on all ranks; its `worst` and `body` count
- * through the ranks. One product with K; takes n + 3 m doubles on every rank. */
+ * through the ranks. One product with K. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_certify(dls_mpi_reduction *reduction, const double *mu,
                                                 const double *r, const double *x, double *u,
                                                 dls_certificate *certificate, dls_error *error);
@@ -167,13 +168,14 @@ typedef struct dls_mpi_global dls_mpi_global;
 
 /* Copies the model. solver NULL: orders and analyses K + H R H^T, which MUMPS factorises on all
  * ranks; K may be singular, and with DLS_CHOLESKY need not be definite. Otherwise all ranks give a
- * solver, as
- * dls_global_create_with, whose functions are collective: R is that of the nodes of this rank, b
- * and x are the rows of this rank; an error on one rank is an error on all. No reference to the
- * model is kept; comm is duplicated. *out = NULL on error. Errors as dls_mpi_reduction_create.
+ * solver, as dls_global_create_with, whose functions are collective: R is that of the nodes of this
+ * rank, b and x are the rows of this rank; an error on one rank is an error on all. No reference to
+ * the model is kept; comm is duplicated. *out = NULL on error. Errors as dls_mpi_reduction_create.
  *
- * Memory of a rank: its share of the factor, its entries of K twice, H, about 25 vectors of n and
- * 40 of m; on rank 0 the pattern of K while it is ordered. */
+ * Memory of a rank: its entries of K, about 18 vectors of its rows and, with H, 60 of the contact
+ * rows that these touch. Nothing of n or m is on every rank, except while H is numbered. With a
+ * factor also its share of that, its entries once more, and on rank 0 a vector of n, and the
+ * pattern of K while it is ordered. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_create(dls_mpi_global **out, MPI_Comm comm,
                                                       const dls_mpi_model *model,
                                                       const dls_global_solver *solver,
@@ -185,11 +187,11 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_global_get_info(const dls_mpi_global *gl
                                                         dls_mpi_info *info, dls_error *error);
 
 /* Solves as dls_global_solve: same statuses, same certificate of (x, r) in *info; max_iterations,
- * warm_start, tol, progress and cpu_seconds of rank 0 hold. f, x: rows of this rank; g, r: d nodes;
- * mu: nodes, NULL for 0. Newton steps need a host's block and apply; a rank then keeps its rows of
- * up to 61 vectors. With a host's solver there are no proofs. For the proof
- * that nothing can hold a body rank 0 takes and factorises all of K; without the memory for that
- * nothing is proved. */
+ * warm_start, tol, cpu_seconds and progress (its r: of the nodes of rank 0) are those of rank 0.
+ * f, x: rows of this rank; g, r: d nodes; mu: nodes, NULL for 0; r and x must not overlap. Newton
+ * steps need a host's block and apply; a rank then keeps its rows of up to 61 vectors. With a
+ * host's solver there are no proofs. For the proof that nothing can hold a body rank 0 takes and
+ * factorises all of K; without the memory for that nothing is proved. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_solve(dls_mpi_global *global, const double *f,
                                                      const double *g, const double *mu,
                                                      const dls_limits *limits, double *r, double *x,

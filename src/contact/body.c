@@ -211,8 +211,34 @@ typedef struct body_arrays {
   dlsi_forces forces;
 } body_arrays;
 
+static size_t body_rows(const dlsi_body *body) {
+  return body->ranks ? body->ranks->reach : (size_t)body->d * (size_t)body->nc;
+}
+
 size_t dlsi_body_scratch(const dlsi_body *body) {
-  return 4 * (size_t)body->d * (size_t)body->nc + dlsi_forces_scratch(body);
+  return 4 * body_rows(body) + dlsi_forces_scratch(body);
+}
+
+const double *dlsi_body_fetch(const dlsi_body *body, const double *r) {
+  if (!body->ranks) return r;
+  double *all = body->ranks->scratch;
+  memcpy(all, r, (size_t)(body->d * body->nc) * sizeof *r);
+  body->ranks->fetch(body->ranks->data, all);
+  return all;
+}
+
+double *dlsi_body_reach(const dlsi_body *body, double *u) {
+  if (!body->ranks) return u;
+  double *all = body->ranks->scratch;
+  memset(all, 0, body->ranks->reach * sizeof *all);
+  memcpy(all, u, (size_t)(body->d * body->nc) * sizeof *u);
+  return all;
+}
+
+void dlsi_body_give(const dlsi_body *body, dlsi_how how, double *all, double *u) {
+  if (!body->ranks) return;
+  body->ranks->give(body->ranks->data, how, all);
+  if (all != u) memcpy(u, all, (size_t)(body->d * body->nc) * sizeof *u);
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -226,9 +252,10 @@ static void measure_scale(const dlsi_body *body, const double *g, const double *
   const size_t d = (size_t)body->d, m = d * (size_t)body->nc;
   const dls_sparse *Ht = &body->Ht;
   double *arm = of->hidden; /* largest entries of the columns of H */
-  memset(arm, 0, m * sizeof *arm);
+  memset(arm, 0, body_rows(body) * sizeof *arm);
   for (int k = 0; has_K && k < Ht->p[body->n]; k++)
     arm[Ht->i[k]] = fmax(arm[Ht->i[k]], fabs(Ht->x[k]));
+  dlsi_body_give(body, DLSI_MOST, arm, arm);
   for (size_t k = 0; k < m; k++) {
     const double gk = g ? g[k] : 0;
     double force = fabs(r[k]);
@@ -243,8 +270,8 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   const dls_sparse *Ht = &body->Ht;
   double *most = of->forces.sums;
   memset(most, 0, (size_t)body->parts * sizeof *most);
-  memset(of->hidden, 0, m * sizeof *of->hidden);
-  for (int turn = 0; turn < 2; turn++)
+  memset(of->hidden, 0, body_rows(body) * sizeof *of->hidden);
+  for (int turn = 0; turn < 2; turn++) {
     for (int j = 0; j < body->n; j++) {
       const double a = of->forces.ae[j] - fmax(0, of->forces.Hr[j] - *of->forces.most);
       const double share = body->share ? body->share[j] : 1;
@@ -252,6 +279,9 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
       for (int k = Ht->p[j]; turn && k < Ht->p[j + 1]; k++)
         of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * fmax(a, most[body->part[j]]);
     }
+    if (!turn) dlsi_join(body->ranks, DLSI_MOST, most, (size_t)body->parts);
+  }
+  dlsi_body_give(body, DLSI_SUM, of->hidden, of->hidden);
   for (size_t k = 0; k < m; k++) {
     of->hidden[k] *= 4 * DBL_EPSILON * body->w[2 * (k / d) + (k % d > 0)];
     if (body->blur) of->hidden[k] += 4 * DBL_EPSILON * body->blur[k];
@@ -261,27 +291,33 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
 void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, const double *mu,
                        const double *r, const double *x, double *u, double *work,
                        dls_certificate *certificate) {
-  const size_t d = (size_t)body->d, nc = (size_t)body->nc, m = d * nc;
+  const size_t m = (size_t)body->d * (size_t)body->nc, rows = body_rows(body);
   const dls_sparse *Ht = &body->Ht;
-  const body_arrays of = {.F = work,
-                          .scale = work + m,
-                          .ut = work + 2 * m,
-                          .hidden = work + 3 * m,
-                          .forces = dlsi_forces_in(body, work + 4 * m)};
+  double *own = work + dlsi_forces_scratch(body);
+  const body_arrays of = {.F = own,
+                          .scale = own + rows,
+                          .ut = own + 2 * rows,
+                          .hidden = own + 3 * rows,
+                          .forces = dlsi_forces_in(body, work)};
   dls_certificate found;
+  memset(of.ut, 0, rows * sizeof *of.ut);
   for (size_t k = 0; k < m; k++) {
     u[k] = g ? g[k] : 0;
     of.ut[k] = fabs(u[k]) + (body->blur ? body->blur[k] : 0);
   }
+  double *all = dlsi_body_reach(body, u);
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
-      u[Ht->i[k]] += Ht->x[k] * x[j];
+      all[Ht->i[k]] += Ht->x[k] * x[j];
       of.ut[Ht->i[k]] += fabs(Ht->x[k] * x[j]);
     }
+  dlsi_body_give(body, DLSI_SUM, all, u);
+  dlsi_body_give(body, DLSI_SUM, of.ut, of.ut);
   const int has_K = body->model || body->multiply;
   if (has_K) dlsi_forces_sum(body, f, r, x, &of.forces);
   measure_scale(body, g, r, u, has_K, &of);
-  dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL, 0};
+  dlsi_laws laws = {body->d, body->nc, mu,       r,    u,    body->w,
+                    of.ut,   NULL,     of.scale, of.F, NULL, 0, body->ranks};
   if (has_K) {
     measure_hidden(body, &of);
     laws.hidden = of.hidden;

@@ -20,7 +20,8 @@ typedef struct dlsi_body {
                              that is elsewhere, instead of model. If both are NULL, K is not known,
                              and equilibrium is not measured */
   void *data;
-  dls_sparse Ht; /* H^T: m x n */
+  const dlsi_ranks *ranks; /* n, m: of this rank, as f, x, g, mu, r, u; NULL: one process */
+  dls_sparse Ht;           /* H^T: m x n, reach x n with ranks */
   int d, nc;
   const double *w;     /* 2 nc: w_n and w_t of each contact, dlsi_body_weights */
   const double *share; /* n: dlsi_body_shares; NULL: 1 */
@@ -33,6 +34,13 @@ typedef struct dlsi_body {
                              contact presses it; NULL: 0 */
   const double *blur;     /* m: size of the positions split off, whose rounding g has; NULL: 0 */
 } dlsi_body;
+
+/* Returns r with the rows of others that H touches, in the scratch of the ranks: for v + H r. */
+const double *dlsi_body_fetch(const dlsi_body *body, const double *r);
+
+/* Returns where H^T x is to be added up, before which it is u; then give joins it in u. */
+double *dlsi_body_reach(const dlsi_body *body, double *u);
+void dlsi_body_give(const dlsi_body *body, dlsi_how how, double *all, double *u);
 
 /* Finds entry *at = 0, 1, .. of column j that counts: all, or those of the lower triangle of a
  * symmetric K. Sets *at to the next entry; returns 0 past the last. */

@@ -11,6 +11,7 @@
  * mu (w_t / w_n)^1/2 and the disc stays round.
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -239,8 +240,8 @@ typedef struct measured_sums {
   double F, force;               /* D^1/2 F', D^-1/2 F' */
   double rounded, rounded_force; /* their sizes, for the rounding */
   double r, q, a;
-  double any;  /* the sum of |F|: 0 where F is */
-  int touches; /* contacts that are not free */
+  double any;     /* the sum of |F|: 0 where F is */
+  double touches; /* contacts that are not free */
 } measured_sums;
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
@@ -323,8 +324,10 @@ static double norm_of(const dlsi_laws *of, const measured_sums *s, int what, dou
         raise_to(&largest, x);
         if (pass) sum += (x / scale) * (x / scale);
       }
+    dlsi_join(of->ranks, DLSI_MOST, &largest, 1);
     if (!(largest > 0 && largest <= DBL_MAX)) return largest;
   }
+  dlsi_join(of->ranks, DLSI_SUM, &sum, 1);
   return largest * sqrt(sum);
 }
 
@@ -424,12 +427,31 @@ void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, dou
       c->residual_r > residual_u || c->residual_r != c->residual_r ? c->residual_r : residual_u;
 }
 
+/* Joins what the ranks have measured. */
+static void laws_join(const dlsi_laws *of, measured_sums *s, dls_certificate *c) {
+  double *const most[] = {&c->penetration, &c->adhesion, &c->cone_violation, &c->slip_direction,
+                          &c->complementarity};
+  const size_t d = (size_t)of->d;
+  dlsi_join(of->ranks, DLSI_SUM, &s->F, sizeof *s / sizeof s->F);
+  for (size_t k = 0; k < sizeof most / sizeof most[0]; k++)
+    dlsi_join(of->ranks, DLSI_MOST, most[k], 1);
+  if (!dlsi_is_plain(s->F)) c->worst = find_worst(of);
+  double mine = of->nc ? dlsi_norm2(of->F + d * (size_t)c->worst, d) : -1, worst = mine;
+  dlsi_join(of->ranks, DLSI_MOST, &worst, 1);
+  double at = mine == worst || mine != mine ? -of->ranks->first - c->worst : -INT_MAX;
+  dlsi_join(of->ranks, DLSI_MOST, &at, 1); /* the first of equals */
+  c->worst = (int)-at;
+}
+
 void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
   dls_certificate c = {.body = -1};
-  const measured_sums s = of->d == 1   ? measure_each(1, of, &c)
-                          : of->d == 2 ? measure_each(2, of, &c)
-                                       : measure_each(3, of, &c);
-  if (!dlsi_is_plain(s.F)) c.worst = find_worst(of);
+  measured_sums s = of->d == 1   ? measure_each(1, of, &c)
+                    : of->d == 2 ? measure_each(2, of, &c)
+                                 : measure_each(3, of, &c);
+  if (of->ranks)
+    laws_join(of, &s, &c);
+  else if (!dlsi_is_plain(s.F))
+    c.worst = find_worst(of);
   const double f = norm_of(of, &s, of_F, s.F), force = norm_of(of, &s, of_force, s.force);
   const double size = norm_of(of, &s, of_r, s.r), q = norm_of(of, &s, of_q, s.q);
   const double rounded = norm_of(of, &s, of_rounded, s.rounded);
@@ -452,7 +474,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
   const dlsi_laws of = {problem->d, problem->nc, problem->mu, r, u,    w,
-                        a,          problem->q,  problem->q,  F, NULL, 0};
+                        a,          problem->q,  problem->q,  F, NULL, 0, NULL};
   dlsi_laws_measure(&of, certificate);
 }
 

@@ -319,6 +319,41 @@ dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason)
 /* Sets the three residuals. force: |D^-1/2 F'|; r: |r|. */
 void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r);
 
+/* The ranks that share a problem (src/mpi): each has contacts and unknowns of its own. Its rows of
+ * H touch contacts of its own and of others, `reach` contact rows together. What a join makes is
+ * equal on all ranks to the last bit. NULL in place of it: one process. */
+typedef enum dlsi_how { DLSI_SUM, DLSI_MOST, DLSI_NORM } dlsi_how; /* MOST keeps NaN */
+
+typedef struct dlsi_ranks {
+  void *data;
+  void (*join)(void *data, dlsi_how how, double *x, size_t count); /* x := that of all ranks */
+  void (*fetch)(void *data, double *r); /* r: reach; takes the rows of others */
+  void (*give)(void *data, dlsi_how how,
+               double *u); /* u: reach; joins the rows of others to them */
+  int first;               /* contact of this rank, among all */
+  size_t all, reach;       /* contact rows: of all ranks; as above */
+  double *scratch;         /* reach */
+} dlsi_ranks;
+
+static inline void dlsi_join(const dlsi_ranks *ranks, dlsi_how how, double *x, size_t count) {
+  if (ranks) ranks->join(ranks->data, how, x, count);
+}
+
+/* Returns status, or DLS_E_MEMORY if that is fine and another rank has no memory. */
+static inline dls_status dlsi_joined_status(const dlsi_ranks *ranks, dls_status status,
+                                            dls_error *error) {
+  double fails = status < 0;
+  dlsi_join(ranks, DLSI_MOST, &fails, 1);
+  return fails > 0 && !status ? dlsi_no_memory(error) : status;
+}
+
+/* Returns |x| of a vector of which a rank has m entries. */
+static inline double dlsi_joined_norm(const dlsi_ranks *ranks, const double *x, size_t m) {
+  double norm = dlsi_norm2(x, m);
+  dlsi_join(ranks, DLSI_NORM, &norm, 1);
+  return norm;
+}
+
 /* Data for measuring the laws of contact and friction, m entries unless said otherwise. */
 typedef struct dlsi_laws {
   int d, nc;
@@ -330,6 +365,7 @@ typedef struct dlsi_laws {
   double *F;            /* receives F */
   const double *hidden; /* an F_c with entries up to these is rounding, taken as 0; or NULL */
   int shows;            /* 1: where reactions are hidden, too, floor_r has `hidden` */
+  const dlsi_ranks *ranks;
 } dlsi_laws;
 
 /* Fills the residuals, floors and laws of the certificate; equilibrium 0, body -1. */

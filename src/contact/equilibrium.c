@@ -74,7 +74,8 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
     of->ae[j] += f ? fabs(f[j]) : 0;
     of->Hr[j] = body->joint && body->joint[j] ? 0 : of->ae[j];
   }
-  *of->most = dlsi_norm2(of->Hr, (size_t)body->n);
+  *of->most = dlsi_joined_norm(body->ranks, of->Hr, (size_t)body->n);
+  r = dlsi_body_fetch(body, r);
   for (int j = 0; j < body->n; j++) {
     double sum = 0, size = 0; /* reactions that cancel press all the same */
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
@@ -146,7 +147,7 @@ static void forces_collect(const dlsi_body *body, const double *f, const dlsi_fo
   const size_t first = body->joint ? (size_t)body->pieces : 0, groups = forces_groups(body);
   double *most = of->sums, *sum = of->sums + kinds * groups;
   memset(of->sums, 0, 2 * kinds * groups * sizeof *of->sums);
-  for (int pass = 0; pass < 2; pass++)
+  for (int pass = 0; pass < 2; pass++) {
     for (int j = 0; j < body->n; j++) {
       const int joint = body->joint && body->joint[j];
       const size_t part = (size_t)body->part[j];
@@ -162,6 +163,8 @@ static void forces_collect(const dlsi_body *body, const double *f, const dlsi_fo
           sum[g + k] += (v[k] / most[g + k]) * (v[k] / most[g + k]);
       }
     }
+    dlsi_join(body->ranks, pass ? DLSI_SUM : DLSI_MOST, pass ? sum : most, kinds * groups);
+  }
 }
 
 static group forces_group(const dlsi_body *body, const dlsi_forces *of, size_t g) {
@@ -216,7 +219,7 @@ static void forces_of_bodies(const dlsi_body *body, const dlsi_forces *of, int l
 }
 
 int dlsi_forces_dwarf(const dlsi_body *body, double *work) {
-  const dlsi_forces of = dlsi_forces_in(body, work + 4 * (size_t)body->d * (size_t)body->nc);
+  const dlsi_forces of = dlsi_forces_in(body, work);
   for (int p = 0; p < body->parts && !body->joint; p++) {
     const group g = forces_group(body, &of, (size_t)p);
     if (g.held < g.load) return 1;
@@ -225,7 +228,7 @@ int dlsi_forces_dwarf(const dlsi_body *body, double *work) {
 }
 
 void dlsi_forces_loose(const dlsi_body *body, double *work, dls_certificate *found) {
-  const dlsi_forces of = dlsi_forces_in(body, work + 4 * (size_t)body->d * (size_t)body->nc);
+  const dlsi_forces of = dlsi_forces_in(body, work);
   if (body->joint || !(body->model || body->multiply)) return;
   found->equilibrium = found->floor_e = 0;
   forces_of_bodies(body, &of, 1, found);

@@ -89,9 +89,11 @@ static void anderson_new_row(dlsi_anderson *a, size_t m, double *row, double *b)
   const size_t k = (size_t)a->window, at = (size_t) new;
   const double *df = a->DF + at * m;
   dlsi_panel_dot(m, n, a->DF, df, row);
+  dlsi_join(a->ranks, DLSI_SUM, row, (size_t)n);
   for (int j = 0; j < n; j++)
     b[j] += row[j];
   dlsi_panel_dot(m, 1, df, a->f, b + new);
+  dlsi_join(a->ranks, DLSI_SUM, b + new, 1);
   const double scale = 1 / sqrt(row[new]);
   for (size_t j = 0; j < (size_t)n; j++)
     if (j != at) a->gram[j + k * at] = a->gram[at + k * j] = row[j] * scale * a->gram[(k + 1) * j];

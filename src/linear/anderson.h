@@ -7,14 +7,15 @@
 /* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
 typedef struct dlsi_anderson {
   int window;
-  int shortens;         /* 1: gamma that is too large is shortened, (AN4); set by the owner */
-  int started;          /* 1: f, g, u are there */
-  int columns, newest;  /* columns of DF, DG, DU, in a ring */
-  size_t of_u;          /* numbers in u; 0 without */
-  double *DF, *DG, *DU; /* m window, of_u window for DU */
-  double *f, *g, *u;    /* of the last step taken: m, of_u for u */
-  double *gram, *L;     /* window^2 */
-  double *work;         /* 3 window; from 2 window on: DF^T f */
+  int shortens;            /* 1: gamma that is too large is shortened, (AN4); set by the owner */
+  int started;             /* 1: f, g, u are there */
+  int columns, newest;     /* columns of DF, DG, DU, in a ring */
+  size_t of_u;             /* numbers in u; 0 without */
+  double *DF, *DG, *DU;    /* m window, of_u window for DU */
+  double *f, *g, *u;       /* of the last step taken: m, of_u for u */
+  double *gram, *L;        /* window^2 */
+  double *work;            /* 3 window; from 2 window on: DF^T f */
+  const dlsi_ranks *ranks; /* that have rows of f; NULL; set by the owner */
 } dlsi_anderson;
 
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u);

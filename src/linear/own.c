@@ -118,6 +118,7 @@ static void own_largest(const dlsi_body *body, const double *v, double *sums) {
   memset(sums, 0, (size_t)body->parts * sizeof *sums);
   for (int j = 0; j < body->n; j++)
     if (fabs(v[j]) > sums[body->part[j]]) sums[body->part[j]] = fabs(v[j]);
+  dlsi_join(body->ranks, DLSI_MOST, sums, (size_t)body->parts);
 }
 
 /* (OW4) load := the rounding of f and K. */
@@ -142,6 +143,7 @@ static dls_status own_round(const own_arrays *w, const double *f, double *rest, 
   long double *x = malloc((size_t)body->n * sizeof *x);
   double *load = dlsi_alloc((size_t)body->n, sizeof *load);
   dls_status status = x && load ? DLS_OK : dlsi_no_memory(error);
+  status = dlsi_joined_status(body->ranks, status, error);
   if (!status) own_signs(w, load);
   if (!status) status = own_iterate(w, load, x, error);
   if (!status) {
@@ -155,13 +157,16 @@ static dls_status own_round(const own_arrays *w, const double *f, double *rest, 
   return status;
 }
 
-/* The caller calls own_free, also after an error. */
-static dls_status own_arrays_create(own_arrays *w, const dlsi_own *of, dls_error *error) {
+/* there: 1 if the caller has its own arrays. The caller calls own_free, also after an error. */
+static dls_status own_arrays_create(own_arrays *w, const dlsi_own *of, int there,
+                                    dls_error *error) {
   const size_t n = (size_t)of->body->n;
   *w = (own_arrays){.of = of};
   w->rest = calloc(3 * n + 1, sizeof *w->rest);
   w->y = dlsi_alloc(4 * n + 2 * (size_t)of->body->parts, sizeof *w->y);
-  if (!w->rest || !w->y) return dlsi_no_memory(error);
+  dls_status status = there && w->rest && w->y ? DLS_OK : dlsi_no_memory(error);
+  status = dlsi_joined_status(of->body->ranks, status, error);
+  if (status) return status;
   w->size = w->rest + n;
   w->net = w->size + n;
   w->a = w->y + n;
@@ -179,7 +184,7 @@ static void own_free(own_arrays *w) {
 dls_status dlsi_own_split(const dlsi_own *of, const double *load, long double *x, double *rest,
                           dls_error *error) {
   own_arrays w;
-  dls_status status = own_arrays_create(&w, of, error);
+  dls_status status = own_arrays_create(&w, of, 1, error);
   if (!status) {
     memcpy(w.f, load, (size_t)of->body->n * sizeof *load);
     status = own_iterate(&w, w.f, x, error);
@@ -194,9 +199,11 @@ dls_status dlsi_own_split(const dlsi_own *of, const double *load, long double *x
 
 void dlsi_own_look(const dlsi_body *body, const long double *x, double *g) {
   const dls_sparse *Ht = &body->Ht;
+  double *all = dlsi_body_reach(body, g);
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
-      g[Ht->i[k]] = (double)(g[Ht->i[k]] + Ht->x[k] * x[j]);
+      all[Ht->i[k]] = (double)(all[Ht->i[k]] + Ht->x[k] * x[j]);
+  dlsi_body_give(body, DLSI_SUM, all, g);
 }
 
 dls_status dlsi_own_land(const dlsi_own *of, double *x, double *g, dls_error *error) {
@@ -205,8 +212,7 @@ dls_status dlsi_own_land(const dlsi_own *of, double *x, double *g, dls_error *er
   own_arrays w;
   long double *xe = malloc((2 * n + 1) * sizeof *xe), *away = xe ? xe + n : NULL;
   double *rest = dlsi_alloc(n, sizeof *rest);
-  dls_status status = own_arrays_create(&w, of, error);
-  if (!status && !(xe && rest)) status = dlsi_no_memory(error);
+  dls_status status = own_arrays_create(&w, of, xe && rest, error);
   if (!status) {
     for (size_t j = 0; j < n; j++)
       away[j] = x[j];
@@ -216,12 +222,14 @@ dls_status dlsi_own_land(const dlsi_own *of, double *x, double *g, dls_error *er
       rest[j] = (double)w.rest[j];
       w.sums[body->part[j]] = hypot(w.sums[body->part[j]], (double)w.size[j]);
     }
+    dlsi_join(body->ranks, DLSI_NORM, w.sums, (size_t)body->parts);
     status = dlsi_own_split(of, rest, xe, rest, error);
   }
   if (!status) {
     double *held = w.sums + body->parts;
     for (size_t j = 0; j < n; j++)
       held[body->part[j]] = hypot(held[body->part[j]], rest[j]);
+    dlsi_join(body->ranks, DLSI_NORM, held, (size_t)body->parts);
     for (size_t j = 0; j < n; j++) {
       const int p = body->part[j];
       if (!(held[p] <= 4 * DBL_EPSILON * w.sums[p])) xe[j] = x[j];
@@ -282,26 +290,35 @@ void dlsi_own_balanced(const dlsi_body *body, const double *f, const double *res
     const double k = own_diagonal(body, j), least = balanced[body->part[j]];
     if (k > 0) size[body->part[j]] = hypot(size[body->part[j]], f[j] * (least / k));
   }
-  memcpy(balanced, size, (size_t)body->parts * sizeof *size);
+  dlsi_join(body->ranks, DLSI_NORM, size, (size_t)body->parts);
+  for (int p = 0; p < body->parts; p++)
+    balanced[p] = 0; /* 1: a rest */
   for (int j = 0; j < body->n; j++)
-    if (rest[j] != 0) balanced[body->part[j]] = 0;
+    if (rest[j] != 0) balanced[body->part[j]] = 1;
+  dlsi_join(body->ranks, DLSI_MOST, balanced, (size_t)body->parts);
+  for (int p = 0; p < body->parts; p++)
+    balanced[p] = balanced[p] > 0 ? 0 : size[p];
 }
 
 void dlsi_own_blur(const dlsi_body *body, const long double *x, double *parts, double *blur) {
   const dls_sparse *Ht = &body->Ht;
   memset(parts, 0, (size_t)body->parts * sizeof *parts);
   memset(blur, 0, (size_t)body->d * (size_t)body->nc * sizeof *blur);
-  for (int turn = 0; turn < 2; turn++)
+  double *all = dlsi_body_reach(body, blur);
+  for (int turn = 0; turn < 2; turn++) {
     for (int j = 0; j < body->n; j++) {
       double *most = &parts[body->part[j]];
       for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
         const double u = fabs(Ht->x[k]) * (double)fabsl(x[j]);
         if (turn)
-          blur[Ht->i[k]] = fmax(blur[Ht->i[k]], *most);
+          all[Ht->i[k]] = fmax(all[Ht->i[k]], *most);
         else
           *most = fmax(*most, u);
       }
     }
+    if (!turn) dlsi_join(body->ranks, DLSI_MOST, parts, (size_t)body->parts);
+  }
+  dlsi_body_give(body, DLSI_MOST, all, blur);
 }
 
 /* (OW7) Raises blur. x: x_own; e: n, shaken: n, blurred: m, scratch. Costs a split. */
@@ -326,8 +343,7 @@ dls_status dlsi_own_measure(const dlsi_own *of, const double *f, const double *g
   own_arrays w;
   long double *own = malloc((2 * n + 1) * sizeof *own), *shaken = own ? own + n : NULL;
   double *rest = dlsi_alloc(3 * n + 3 * m + 2 * (size_t)body->parts, sizeof *rest);
-  dls_status status = own_arrays_create(&w, of, error);
-  if (!status && !(own && rest)) status = dlsi_no_memory(error);
+  dls_status status = own_arrays_create(&w, of, own && rest, error);
   if (!status) {
     double *y = rest + n, *e = y + n, *gap = e + n, *blur = gap + m, *blurred = blur + m,
            *balanced = blurred + m;

@@ -1,13 +1,15 @@
 /*
- * body.c: the certificate of the body (base/body.c) for a K whose entries are spread.
+ * body.c: the certificate of the body (contact/body.c) for a K whose entries are spread.
  *
- *   (MB1)  K x and |K||x|: each rank adds up its entries, rank 0 the ranks, so that all have the
- *          same bits. |K||x| counts entries of one place separately
- *   (MB2)  connected bodies: each rank joins what its entries join, rank 0 the forests of all
+ *   (MB1)  K x and |K||x|: each rank multiplies its entries, with the x of other ranks' rows that
+ *          they touch, and gives them their part (halo.c). |K||x| counts entries of one place
+ *          separately
+ *   (MB2)  connected bodies: each rank joins what its entries join; the least unknown of each part
+ *          goes round until no label changes, once for each time that a body changes the rank
  *   (MB3)  weights: every rank gets the entries between unknowns that one contact touches
  *
- * dlsi_body_measure runs on every rank with equal vectors of all unknowns. Memory of a rank: its
- * entries of K, about 12 vectors of n. Fails: no memory on one rank.
+ * dlsi_body_measure runs on every rank with the rows and nodes of the rank. Memory of a rank: its
+ * entries of K, 3 vectors of its rows. Fails: no memory on one rank.
  */
 #include <limits.h>
 #include <math.h>
@@ -16,73 +18,132 @@
 
 #include "mpi_internal.h"
 
+static size_t body_places(const dlsi_mpi_body *work) {
+  return (size_t)(work->halo.rows + work->halo.ghosts);
+}
+
 /* (MB1) */
 static void body_multiply(void *data, const double *x, double *y, double *a) {
   const dlsi_mpi_body *work = data;
-  const int n = work->of->n, symmetric = work->of->symmetric;
-  const MPI_Comm all = work->of->grid.all;
-  memset(y, 0, (size_t)n * sizeof *y);
-  if (a) memset(a, 0, (size_t)n * sizeof *a);
+  const int symmetric = work->of->symmetric;
+  const size_t places = body_places(work), rows = (size_t)work->of->rows;
+  double *near = work->near, *sum = near + places, *size = sum + places;
+  memcpy(near, x, rows * sizeof *x);
+  dlsi_halo_fetch(&work->halo, near);
+  memset(sum, 0, (a ? 2 : 1) * places * sizeof *sum);
   for (size_t k = 0; k < work->entries; k++) {
     const int i = work->row[k], j = work->col[k];
-    const double v = work->x[k], part = v * x[j];
-    y[i] += part;
-    if (a) a[i] += fabs(part);
+    const double v = work->x[k], part = v * near[j];
+    sum[i] += part;
+    if (a) size[i] += fabs(part);
     if (!symmetric || i == j) continue;
-    y[j] += v * x[i];
-    if (a) a[j] += fabs(v * x[i]);
+    sum[j] += v * near[i];
+    if (a) size[j] += fabs(v * near[i]);
   }
-  double *const sums[] = {y, a};
-  for (int k = 0; k < (a ? 2 : 1); k++) {
-    (void)MPI_Reduce(work->of->grid.rank ? sums[k] : MPI_IN_PLACE, sums[k], n, MPI_DOUBLE, MPI_SUM,
-                     0, all);
-    (void)MPI_Bcast(sums[k], n, MPI_DOUBLE, 0, all);
-  }
+  dlsi_halo_give(&work->halo, DLSI_SUM, sum);
+  memcpy(y, sum, rows * sizeof *y);
+  if (!a) return;
+  dlsi_halo_give(&work->halo, DLSI_SUM, size);
+  memcpy(a, size, rows * sizeof *a);
 }
 
 static int body_reads(const dlsi_shares *of, const dls_mpi_model *model, size_t k) {
   return !of->symmetric || model->row[k] >= model->col[k];
 }
 
-static void body_copy(dlsi_mpi_body *work, const dls_mpi_model *model) {
+/* Copies K. */
+static dls_status body_copy(dlsi_mpi_body *work, const dls_mpi_model *model, dls_error *error) {
+  const dlsi_shares *of = work->of;
   size_t at = 0;
+  for (size_t k = 0; k < model->entries; k++)
+    work->entries += (size_t)body_reads(of, model, k);
+  work->row = dlsi_alloc(2 * work->entries, sizeof *work->row);
+  work->x = dlsi_alloc(work->entries, sizeof *work->x);
+  dls_status status = work->row && work->x ? DLS_OK : dlsi_no_memory(error);
+  status = dlsi_agree(of->grid.all, status, error);
+  if (status) return status;
+  work->col = work->row + work->entries;
   for (size_t k = 0; k < model->entries; k++) {
-    if (!body_reads(work->of, model, k)) continue;
+    if (!body_reads(of, model, k)) continue;
     work->row[at] = model->row[k];
     work->col[at] = model->col[k];
     work->x[at++] = model->x[k];
   }
+  status = dlsi_halo_create(&work->halo, &of->grid, of->row_counts, of->row_starts, work->row,
+                            2 * work->entries, error);
+  for (size_t k = 0; !status && k < 2 * work->entries; k++)
+    work->row[k] = dlsi_halo_place(&work->halo, work->row[k]);
+  return status;
 }
 
-/* (MB2) other: scratch, n. */
-static void body_join(dlsi_mpi_body *work, int *other) {
-  const dlsi_grid *grid = &work->of->grid;
-  const int n = work->of->n;
-  for (int i = 0; i < n; i++)
-    work->part[i] = i;
+void dlsi_mpi_body_entries(const dlsi_mpi_body *work, int *row, int *col) {
+  for (size_t k = 0; k < work->entries; k++) {
+    row[k] = dlsi_halo_number(&work->halo, work->row[k]);
+    col[k] = dlsi_halo_number(&work->halo, work->col[k]);
+  }
+}
+
+/* (MB2) Sets label to minus the least unknown of the body of each place. group: scratch; both of
+ * all places. */
+static void body_label(const dlsi_mpi_body *work, int *group, double *label) {
+  const int places = (int)body_places(work);
+  double *most = work->near + places;
+  for (int i = 0; i < places; i++) {
+    group[i] = i;
+    label[i] = -dlsi_halo_number(&work->halo, i);
+  }
   for (size_t k = 0; k < work->entries; k++)
     if (work->x[k] != 0 && work->row[k] != work->col[k])
-      dlsi_body_join(work->part, work->row[k], work->col[k]);
-  if (grid->rank) (void)MPI_Send(work->part, n, MPI_INT, 0, 0, grid->all);
-  for (int k = 1; grid->rank == 0 && k < grid->ranks; k++) {
-    (void)MPI_Recv(other, n, MPI_INT, k, 0, grid->all, MPI_STATUS_IGNORE);
-    for (int i = 0; i < n; i++)
-      if (other[i] != i) dlsi_body_join(work->part, i, other[i]);
+      dlsi_body_join(group, work->row[k], work->col[k]);
+  (void)dlsi_body_number(places, group);
+  for (double changed = 1; changed > 0;) {
+    changed = 0;
+    for (int i = 0; i < places; i++)
+      most[i] = -INFINITY;
+    for (int i = 0; i < places; i++)
+      most[group[i]] = fmax(most[group[i]], label[i]);
+    for (int i = 0; i < places; i++) {
+      if (label[i] != most[group[i]]) changed = 1;
+      label[i] = most[group[i]];
+    }
+    dlsi_grid_join(&work->of->grid, DLSI_MOST, &changed, 1);
+    dlsi_halo_give(&work->halo, DLSI_MOST, label);
+    dlsi_halo_fetch(&work->halo, label);
   }
-  if (grid->rank == 0) work->body.parts = dlsi_body_number(n, work->part);
-  (void)MPI_Bcast(&work->body.parts, 1, MPI_INT, 0, grid->all);
-  (void)MPI_Bcast(work->part, n, MPI_INT, 0, grid->all);
 }
 
-/* Sets place[i] to the number of unknown i among those that H touches, -1 for others, and group to
- * numbers that are equal for unknowns tied by contacts. place: n; group: count. */
-static void body_group(const dlsi_shares *of, int *place, int *group) {
-  for (int i = 0; i < of->n; i++)
-    place[i] = -1;
-  for (int k = 0; k < of->count; k++) {
-    place[of->keep[k]] = k;
-    group[k] = k;
+/* (MB2) Numbers the bodies by their first unknown. first: scratch, rows; counts: 2 ranks. */
+static dls_status body_number(dlsi_mpi_body *work, const double *label, int *first, int *counts,
+                              dls_error *error) {
+  const dlsi_shares *of = work->of;
+  int mine = 0, parts = 0, *starts = counts + of->grid.ranks;
+  for (int i = 0; i < of->rows; i++)
+    if (-label[i] == of->first_row + i) first[mine++] = of->first_row + i;
+  (void)MPI_Allgather(&mine, 1, MPI_INT, counts, 1, MPI_INT, of->grid.all);
+  for (int k = 0; k < of->grid.ranks; k++) {
+    starts[k] = parts;
+    parts += counts[k];
   }
+  int *all = dlsi_alloc((size_t)parts, sizeof *all);
+  const dls_status status = dlsi_agree(of->grid.all, all ? DLS_OK : dlsi_no_memory(error), error);
+  if (!status) {
+    (void)MPI_Allgatherv(first, mine, MPI_INT, all, counts, starts, MPI_INT, of->grid.all);
+    for (int i = 0; i < of->rows; i++)
+      work->part[i] = dlsi_find(all, parts, (int)-label[i]);
+    work->body.parts = parts;
+  }
+  free(all);
+  return status;
+}
+
+/* Sets place to the number of each unknown of this rank's entries among those that H touches, -1
+ * for others, and group to numbers that are equal for unknowns tied by contacts. group: count. */
+static void body_group(const dlsi_mpi_body *work, int *place, int *group) {
+  const dlsi_shares *of = work->of;
+  for (size_t i = 0; i < body_places(work); i++)
+    place[i] = dlsi_find(of->keep, of->count, dlsi_halo_number(&work->halo, (int)i));
+  for (int k = 0; k < of->count; k++)
+    group[k] = k;
   for (int c = 0; c < of->nodes; c++)
     for (int e = of->H.p[of->d * c]; e < of->H.p[of->d * (c + 1)]; e++)
       dlsi_body_join(group, of->H.i[of->H.p[of->d * c]], of->H.i[e]);
@@ -102,15 +163,17 @@ static size_t body_list(const dlsi_mpi_body *work, const int *place, const int *
   return count;
 }
 
-/* (MB3) place, group: scratch, n and count. */
+/* (MB3) place, group: scratch, all places and count. */
 static dls_status body_weigh(dlsi_mpi_body *work, dls_factorization factorization, int *place,
                              int *group, dls_error *error) {
   const dlsi_shares *of = work->of;
   dlsi_triplets mine = {0}, whole = {0};
   dlsi_columns K = {0};
-  body_group(of, place, group);
+  body_group(work, place, group);
   dls_status status =
       dlsi_triplets_alloc(of->count, of->count, body_list(work, place, group, NULL), &mine, error);
+  double *w = dlsi_alloc((size_t)of->nodes, 2 * sizeof *w);
+  if (!status && !w) status = dlsi_no_memory(error);
   status = dlsi_agree(of->grid.all, status, error);
   if (!status) {
     (void)body_list(work, place, group, &mine);
@@ -123,9 +186,13 @@ static dls_status body_weigh(dlsi_mpi_body *work, dls_factorization factorizatio
                              .operator_kind = DLS_STIFFNESS_SPARSE,
                              .factorization = factorization,
                              .Ks = dlsi_columns_view(&K)};
-    if (!status && of->m) status = dlsi_body_weights(&model, &H, of->d, work->w, error);
+    if (!status && of->m) status = dlsi_body_weights(&model, &H, of->d, w, error);
     status = dlsi_agree(of->grid.all, status, error);
   }
+  for (int k = 0; !status && k < of->here.rows / of->d; k++)
+    memcpy(work->w + 2 * k, w + 2 * (dlsi_halo_number(&of->touched, of->d * k) / of->d),
+           2 * sizeof *w);
+  free(w);
   dlsi_columns_free(&K);
   dlsi_triplets_free(&whole);
   dlsi_triplets_free(&mine);
@@ -134,37 +201,31 @@ static dls_status body_weigh(dlsi_mpi_body *work, dls_factorization factorizatio
 
 dls_status dlsi_mpi_body_create(dlsi_mpi_body *work, const dlsi_shares *of,
                                 const dls_mpi_model *model, dls_error *error) {
-  const size_t n = (size_t)of->n;
+  const size_t rows = (size_t)of->rows, contacts = (size_t)(of->here.rows / of->d);
   work->of = of;
-  for (size_t k = 0; k < model->entries; k++)
-    work->entries += (size_t)body_reads(of, model, k);
-  work->row = dlsi_alloc(2 * work->entries, sizeof *work->row);
-  work->x = dlsi_alloc(work->entries, sizeof *work->x);
-  work->p = dlsi_alloc(2 * n + 1, sizeof *work->p);
-  work->w = dlsi_alloc(2 * (size_t)of->nodes, sizeof *work->w);
-  int *place = dlsi_alloc(n + (size_t)of->count, sizeof *place);
-  dls_status status =
-      work->row && work->x && work->p && work->w && place ? DLS_OK : dlsi_no_memory(error);
+  dls_status status = body_copy(work, model, error);
+  if (status) return status;
+  const size_t places = body_places(work);
+  work->near = dlsi_alloc(places, 3 * sizeof *work->near);
+  work->part = dlsi_alloc(rows, sizeof *work->part);
+  work->w = dlsi_alloc(contacts, 2 * sizeof *work->w);
+  int *ints = dlsi_alloc(places + (size_t)of->count + 2 * (size_t)of->grid.ranks, sizeof *ints);
+  status = work->near && work->part && work->w && ints ? DLS_OK : dlsi_no_memory(error);
   status = dlsi_agree(of->grid.all, status, error);
   if (!status) {
-    work->col = work->row + work->entries;
-    work->part = work->p + n + 1;
-    body_copy(work, model);
-    body_join(work, place);
-    status = body_weigh(work, model->factorization, place, place + n, error);
+    body_label(work, ints, work->near);
+    status = body_number(work, work->near, ints, ints + places, error);
   }
-  free(place);
+  if (!status) status = body_weigh(work, model->factorization, ints, ints + places, error);
+  free(ints);
   if (status) return status;
-  for (int i = 0, k = 0; i <= of->n; i++) { /* the rows of H^T on all unknowns */
-    work->p[i] = of->Ht.p[k];
-    if (k < of->count && of->keep[k] == i) k++;
-  }
-  work->body = (dlsi_body){.n = of->n,
+  work->body = (dlsi_body){.n = of->rows,
                            .multiply = body_multiply,
                            .data = work,
-                           .Ht = {of->m, of->n, work->p, of->Ht.i, of->Ht.x},
+                           .ranks = &of->ranks,
+                           .Ht = dlsi_columns_view(&of->here),
                            .d = of->d,
-                           .nc = of->nodes,
+                           .nc = of->own,
                            .w = work->w,
                            .part = work->part,
                            .parts = work->body.parts};
@@ -173,7 +234,8 @@ dls_status dlsi_mpi_body_create(dlsi_mpi_body *work, const dlsi_shares *of,
 }
 
 void dlsi_mpi_body_free(dlsi_mpi_body *work) {
-  void *const owned[] = {work->row, work->x, work->p, work->w, work->scratch};
+  dlsi_halo_free(&work->halo);
+  void *const owned[] = {work->row, work->x, work->part, work->w, work->near, work->scratch};
   for (size_t k = 0; k < sizeof owned / sizeof owned[0]; k++)
     free(owned[k]);
 }

@@ -7,7 +7,7 @@
  *   (MC2)  rank 0 gathers the pattern, orders it by nested dissection, moves c to the end
  *   (MC3)  analysis, with the entries left in place (ICNTL(18) = 3)
  *   (MC4)  factor; S = A_cc - A_ci A_ii^-1 A_ic stays spread in blocks (ICNTL(19) = 2, 3)
- *   (MC5)  condense, expand: b, x and the values on c on rank 0
+ *   (MC5)  condense, expand: the rows of b and x go to rank 0 and come from there
  *
  * Without c it is the factor of a matrix, for one set of values after another: begin does (MC2) and
  * (MC3), refactor (MC1) and (MC4).
@@ -15,7 +15,7 @@
  * MUMPS needs something to eliminate: if H touches every unknown, K gets one unknown more, coupled
  * to nothing, with 1 on the diagonal.
  *
- * Rank 0 holds the pattern for a while: two ints per entry and METIS's graph of the nodes, and
+ * Rank 0 holds the pattern for a while: two ints per entry and METIS's graph of the nodes, and two
  * n-vectors. All else is shared. MUMPS itself needs the pattern on one rank.
  * Cost: the ordering is not parallel. Fails: no memory on one rank.
  */
@@ -41,16 +41,20 @@ enum {
 }; /* ICNTL(14), per cent */
 
 struct dlsi_condenser {
+  const dlsi_shares *of;
   const dlsi_grid *grid;
   DMUMPS_STRUC_C mumps;
   int started, symmetric, n, count;
-  int more; /* 1: n counts one unknown more than K has */
+  int more;      /* 1: n counts one unknown more than K has */
+  int more_here; /* 1: on this rank, its last entry */
   size_t entries;
-  int *row, *col;  /* entries of this rank, counted from 1; gone after the factorisation */
+  int *row, *col;  /* entries of this rank, counted from 1; gone after create */
   double *x;       /* ... of A */
+  dlsi_halo halo;  /* unknowns: rows of this rank, others that these entries touch */
   int *keep;       /* count, counted from 1 */
-  int *order;      /* n, on rank 0: place of each unknown, counted from 1 */
-  double *R, *C;   /* n, on rank 0 after the factorisation */
+  int *order;      /* n, on rank 0: place of each unknown, counted from 1; gone after create */
+  double *R, *C;   /* of all places; behind them as much scratch */
+  double *whole;   /* n, on rank 0: b and x */
   double *kept;    /* R and C on c: 2 count */
   double *reduced; /* count */
   double norm;
@@ -62,62 +66,86 @@ static int condenser_reads(const dlsi_condenser *work, const dls_mpi_model *mode
   return !work->symmetric || model->row[k] >= model->col[k];
 }
 
+/* Takes the places of the entries. */
 static dls_status condenser_allocate(dlsi_condenser *work, const dls_mpi_model *model,
                                      dls_error *error) {
-  const size_t n = (size_t)work->n, b = (size_t)work->count;
+  const dlsi_shares *of = work->of;
+  const size_t b = (size_t)work->count;
+  size_t at = 0;
   for (size_t k = 0; k < model->entries; k++)
     work->entries += (size_t)condenser_reads(work, model, k);
-  if (work->more && work->grid->rank == 0) work->entries++;
+  work->more_here = work->more && work->grid->rank == 0;
+  work->entries += (size_t)work->more_here;
   work->row = dlsi_alloc(2 * work->entries, sizeof *work->row);
   work->x = dlsi_alloc(work->entries, sizeof *work->x);
   work->keep = dlsi_alloc(b, sizeof *work->keep);
-  work->R = dlsi_alloc(4 * n, sizeof *work->R);
-  work->kept = dlsi_alloc(3 * b, sizeof *work->kept);
-  if (!work->row || !work->x || !work->keep || !work->R || !work->kept)
-    return dlsi_no_memory(error);
+  work->kept = calloc(3 * b + 1, sizeof *work->kept);
+  if (work->grid->rank == 0) work->whole = dlsi_alloc((size_t)work->n, sizeof *work->whole);
+  dls_status status =
+      work->row && work->x && work->keep && work->kept && (work->whole || work->grid->rank)
+          ? DLS_OK
+          : dlsi_no_memory(error);
+  status = dlsi_agree(work->grid->all, status, error);
+  if (status) return status;
   work->col = work->row + work->entries;
-  work->C = work->R + n;
   work->reduced = work->kept + 2 * b;
-  return DLS_OK;
-}
-
-static void condenser_take_entries(dlsi_condenser *work, const dls_mpi_model *model) {
-  size_t at = 0;
   for (size_t k = 0; k < model->entries; k++) {
     if (!condenser_reads(work, model, k)) continue;
-    work->row[at] = model->row[k] + 1;
-    work->col[at] = model->col[k] + 1;
-    work->x[at++] = model->x[k];
+    work->row[at] = model->row[k];
+    work->col[at++] = model->col[k];
   }
-  if (at == work->entries) return;
-  work->row[at] = work->col[at] = work->n;
-  work->x[at] = 1;
+  if (work->more_here) work->row[at] = work->col[at] = of->first_row; /* no ghost */
+  status = dlsi_halo_create(&work->halo, work->grid, of->row_counts, of->row_starts, work->row,
+                            2 * work->entries, error);
+  for (size_t k = 0; k < 2 * work->entries; k++)
+    work->row[k]++;
+  if (work->more_here) work->row[at] = work->col[at] = work->n;
+  if (status) return status;
+  const size_t places = (size_t)(work->halo.rows + work->halo.ghosts);
+  work->R = dlsi_alloc(4 * places, sizeof *work->R);
+  work->C = work->R ? work->R + places : NULL;
+  return dlsi_agree(work->grid->all, work->R ? DLS_OK : dlsi_no_memory(error), error);
+}
+
+static void condenser_take_values(dlsi_condenser *work, const dls_mpi_model *model) {
+  size_t at = 0;
+  for (size_t k = 0; k < model->entries; k++)
+    if (condenser_reads(work, model, k)) work->x[at++] = model->x[k];
+  if (work->more_here) work->x[at] = 1;
+}
+
+/* Returns the place of a row or column that is counted from 1. */
+static size_t condenser_place(const dlsi_condenser *work, int number) {
+  return (size_t)dlsi_halo_place(&work->halo, number - 1);
 }
 
 /* (MC1) As linear/equilibrate.c. Entries that add up count separately: their sizes, not their sum,
  * are scaled to 1, which keeps scaling exact and symmetric. */
 static void condenser_find_scales(dlsi_condenser *work) {
-  const size_t n = (size_t)work->n;
-  double *R = work->R, *C = work->C, *rows = C + n, *cols = work->symmetric ? rows : rows + n;
-  for (size_t i = 0; i < n; i++)
+  const size_t places = (size_t)(work->halo.rows + work->halo.ghosts);
+  const size_t entries = work->entries - (size_t)work->more_here;
+  double *R = work->R, *C = work->C, *rows = C + places,
+         *cols = work->symmetric ? rows : rows + places;
+  for (size_t i = 0; i < places; i++)
     R[i] = C[i] = 1;
   for (int turn = 0; turn < scale_turns; turn++) {
-    memset(rows, 0, 2 * n * sizeof *rows);
-    for (size_t k = 0; k < work->entries; k++) {
-      const int i = work->row[k] - 1, j = work->col[k] - 1;
+    memset(rows, 0, 2 * places * sizeof *rows);
+    for (size_t k = 0; k < entries; k++) {
+      const size_t i = condenser_place(work, work->row[k]), j = condenser_place(work, work->col[k]);
       const double a = fabs(R[i] * work->x[k] * C[j]);
       if (a > rows[i]) rows[i] = a;
       if (a > cols[j]) cols[j] = a;
     }
-    (void)MPI_Allreduce(MPI_IN_PLACE, rows, work->n, MPI_DOUBLE, MPI_MAX, work->grid->all);
-    if (!work->symmetric)
-      (void)MPI_Allreduce(MPI_IN_PLACE, cols, work->n, MPI_DOUBLE, MPI_MAX, work->grid->all);
-    for (size_t i = 0; i < n; i++) {
+    dlsi_halo_give(&work->halo, DLSI_MOST, rows);
+    if (!work->symmetric) dlsi_halo_give(&work->halo, DLSI_MOST, cols);
+    for (int i = 0; i < work->halo.rows; i++) {
       if (rows[i] > 0) R[i] /= sqrt(rows[i]);
       if (cols[i] > 0) C[i] /= sqrt(cols[i]);
     }
+    dlsi_halo_fetch(&work->halo, R);
+    dlsi_halo_fetch(&work->halo, C);
   }
-  for (size_t i = 0; i < n; i++) {
+  for (size_t i = 0; i < places; i++) {
     R[i] = ldexp(1, ilogb(R[i]));
     C[i] = ldexp(1, ilogb(C[i]));
   }
@@ -125,21 +153,26 @@ static void condenser_find_scales(dlsi_condenser *work) {
 
 /* Scales x and computes |A|_1, or an upper bound if entries add up. DLS_E_NOT_FINITE. */
 static dls_status condenser_scale(dlsi_condenser *work, dls_error *error) {
-  const size_t n = (size_t)work->n;
-  double *sum = work->C + n;
-  memset(sum, 0, n * sizeof *sum);
-  for (size_t k = 0; k < work->entries; k++) {
-    const int i = work->row[k] - 1, j = work->col[k] - 1;
+  const size_t places = (size_t)(work->halo.rows + work->halo.ghosts);
+  double *sum = work->C + places;
+  memset(sum, 0, places * sizeof *sum);
+  for (size_t k = 0; k < work->entries - (size_t)work->more_here; k++) {
+    const size_t i = condenser_place(work, work->row[k]), j = condenser_place(work, work->col[k]);
     work->x[k] *= work->R[i] * work->C[j];
     sum[j] += fabs(work->x[k]);
     if (work->symmetric && i != j) sum[i] += fabs(work->x[k]);
   }
-  (void)MPI_Allreduce(MPI_IN_PLACE, sum, work->n, MPI_DOUBLE, MPI_SUM, work->grid->all);
-  work->norm = dlsi_max_abs(sum, n);
+  dlsi_halo_give(&work->halo, DLSI_SUM, sum);
+  work->norm = fmax(work->more, dlsi_max_abs(sum, (size_t)work->halo.rows));
+  if (work->norm != work->norm) work->norm = INFINITY;
+  dlsi_grid_join(work->grid, DLSI_MOST, &work->norm, 1);
   for (int k = 0; k < work->count; k++) {
-    work->kept[k] = work->R[work->keep[k] - 1];
-    work->kept[work->count + k] = work->C[work->keep[k] - 1];
+    const int i = work->keep[k] - 1 - work->halo.first;
+    if (i < 0 || i >= work->halo.rows) continue;
+    work->kept[k] = work->R[i];
+    work->kept[work->count + k] = work->C[i];
   }
+  dlsi_grid_join(work->grid, DLSI_SUM, work->kept, 2 * (size_t)work->count);
   if (work->norm <= DBL_MAX) return DLS_OK; /* false for NaN */
   return dlsi_fail(error, DLS_E_NOT_FINITE, "x", -1, work->norm, "overflow");
 }
@@ -297,9 +330,6 @@ static void condenser_shrink(dlsi_condenser *work) {
   work->x = NULL;
   M->irn_loc = M->jcn_loc = M->perm_in = NULL;
   M->a_loc = NULL;
-  if (work->grid->rank == 0) return;
-  free(work->R);
-  work->R = work->C = NULL;
 }
 
 static double condenser_bytes(int megabytes) {
@@ -326,43 +356,42 @@ static void condenser_end_phase(dls_mpi_info *info, dls_mpi_phase phase, dlsi_mp
   *from = now;
 }
 
-/* Allocates on every rank. keep: NULL if count is 0. *out is NULL on error. */
-static dls_status condenser_allot(dlsi_condenser **out, const dlsi_grid *grid, int n,
-                                  const dls_mpi_model *model, int count, const int *keep,
-                                  dls_error *error) {
+/* Allocates on every rank. count: that of `of`, or 0. *out is NULL on error. */
+static dls_status condenser_allot(dlsi_condenser **out, const dlsi_shares *of,
+                                  const dls_mpi_model *model, int count, dls_error *error) {
   *out = NULL;
   dlsi_condenser *work = calloc(1, sizeof *work);
-  dls_status status = work ? DLS_OK : dlsi_no_memory(error);
-  if (work) {
-    work->grid = grid;
+  dls_status status = dlsi_agree(of->grid.all, work ? DLS_OK : dlsi_no_memory(error), error);
+  if (!status && work) {
+    work->of = of;
+    work->grid = &of->grid;
     work->symmetric = model->factorization != DLS_LU;
-    work->more = count == n;
-    work->n = n + work->more;
+    work->more = count == of->n;
+    work->n = of->n + work->more;
     work->count = count;
     status = condenser_allocate(work, model, error);
   }
-  status = dlsi_agree(grid->all, status, error);
   if (status || !work) {
     dlsi_condenser_destroy(work);
     return status;
   }
   for (int k = 0; k < count; k++)
-    work->keep[k] = keep[k] + 1;
-  condenser_take_entries(work, model);
+    work->keep[k] = of->keep[k] + 1;
   *out = work;
   return DLS_OK;
 }
 
-dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, int n,
-                                 const dls_mpi_model *model, double memory_limit, int count,
-                                 const int *keep, const dlsi_spread *spread, double **S,
-                                 dls_mpi_info *info, dls_error *error) {
+dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_shares *of,
+                                 const dls_mpi_model *model, double memory_limit,
+                                 const dlsi_spread *spread, double **S, dls_mpi_info *info,
+                                 dls_error *error) {
   dlsi_mpi_clock clock = dlsi_mpi_now();
   dlsi_condenser *work;
   *out = NULL;
   *S = NULL;
-  dls_status status = condenser_allot(&work, grid, n, model, count, keep, error);
+  dls_status status = condenser_allot(&work, of, model, of->count, error);
   if (status) return status;
+  condenser_take_values(work, model);
   condenser_find_scales(work);
   status = condenser_scale(work, error);
   if (!status) status = condenser_order(work, error);
@@ -385,12 +414,12 @@ dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, in
   return DLS_OK;
 }
 
-dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_grid *grid, int n,
+dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_shares *of,
                                 const dls_mpi_model *model, dls_mpi_info *info, dls_error *error) {
   dlsi_mpi_clock clock = dlsi_mpi_now();
   dlsi_condenser *work;
   *out = NULL;
-  dls_status status = condenser_allot(&work, grid, n, model, 0, NULL, error);
+  dls_status status = condenser_allot(&work, of, model, 0, error);
   if (status) return status;
   status = condenser_order(work, error);
   condenser_end_phase(info, DLS_MPI_ORDER, &clock);
@@ -403,10 +432,23 @@ dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_grid *grid, int
   return status;
 }
 
-dls_status dlsi_condenser_refactor(dlsi_condenser *work, const dls_mpi_model *model,
-                                   dls_mpi_info *info, dls_error *error) {
+dls_status dlsi_condenser_again(dlsi_condenser *work, dls_factorization kind, dls_mpi_info *info,
+                                dls_error *error) {
   dlsi_mpi_clock clock = dlsi_mpi_now();
-  condenser_take_entries(work, model);
+  dlsi_mumps_end(&work->mumps);
+  work->mumps = (DMUMPS_STRUC_C){.n = 0};
+  work->started = 0;
+  const dls_status status = condenser_analyse(work, kind, error);
+  condenser_end_phase(info, DLS_MPI_ANALYSE, &clock);
+  return status;
+}
+
+double *dlsi_condenser_values(dlsi_condenser *work) {
+  return work->x;
+}
+
+dls_status dlsi_condenser_refactor(dlsi_condenser *work, dls_mpi_info *info, dls_error *error) {
+  dlsi_mpi_clock clock = dlsi_mpi_now();
   condenser_find_scales(work);
   dls_status status = condenser_scale(work, error);
   if (!status) status = condenser_eliminate(work, error);
@@ -426,20 +468,21 @@ dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work) {
 /* ---- solve ----------------------------------------------------------------------------------- */
 
 /* (MC5) */
-static dls_status condenser_solve(dlsi_condenser *work, int half, double *x, dls_error *error) {
+static dls_status condenser_solve(dlsi_condenser *work, int half, dls_error *error) {
   DMUMPS_STRUC_C *M = &work->mumps;
   M->ICNTL(26) = half;
   M->redrhs = work->reduced;
   M->lredrhs = work->count;
-  return dlsi_mumps_solve(M, x, 1, error);
+  return dlsi_mumps_solve(M, work->whole, 1, error);
 }
 
 dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error) {
   const int root = work->grid->rank == 0, count = work->count;
-  if (root && work->more) b[work->n - 1] = 0;
-  if (root) dlsi_scale_rows(work->R, (size_t)work->n, b, 1);
+  if (work->more_here) work->whole[work->n - 1] = 0;
+  dlsi_scale_rows(work->R, (size_t)work->halo.rows, b, 1);
+  dlsi_shares_collect(work->of, b, work->whole);
   if (count == 0) return DLS_OK;
-  const dls_status status = condenser_solve(work, condense, b, error);
+  const dls_status status = condenser_solve(work, condense, error);
   if (status) return status;
   for (int k = 0; root && k < count; k++)
     z[k] = work->reduced[k] / work->kept[k];
@@ -452,15 +495,19 @@ dls_status dlsi_condenser_expand(dlsi_condenser *work, const double *y, double *
   const int count = work->count;
   for (int k = 0; k < count; k++)
     work->reduced[k] = y[k] / work->kept[count + k];
-  const dls_status status = condenser_solve(work, count > 0 ? expand : 0, x, error);
-  if (!status && work->grid->rank == 0) dlsi_scale_rows(work->C, (size_t)work->n, x, 1);
-  return status;
+  const dls_status status = condenser_solve(work, count > 0 ? expand : 0, error);
+  if (status) return status;
+  dlsi_shares_hand_out(work->of, work->whole, x);
+  dlsi_scale_rows(work->C, (size_t)work->halo.rows, x, 1);
+  return DLS_OK;
 }
 
 void dlsi_condenser_destroy(dlsi_condenser *work) {
   if (!work) return;
   if (work->started) dlsi_mumps_end(&work->mumps);
-  void *const owned[] = {work->row, work->x, work->keep, work->order, work->R, work->kept, work};
+  dlsi_halo_free(&work->halo);
+  void *const owned[] = {work->row, work->x,    work->keep,  work->order,
+                         work->R,   work->kept, work->whole, work};
   for (size_t k = 0; k < sizeof owned / sizeof owned[0]; k++)
     free(owned[k]);
 }

@@ -24,6 +24,29 @@ static const int one = 1, zero = 0;
 
 /* ---- the grid -------------------------------------------------------------------------------- */
 
+static void join_most(void *from, void *to, int *count, MPI_Datatype *type) {
+  const double *x = from;
+  double *y = to;
+  (void)type;
+  for (int k = 0; k < *count; k++)
+    if (x[k] > y[k] || x[k] != x[k]) y[k] = x[k];
+}
+
+static void join_norm(void *from, void *to, int *count, MPI_Datatype *type) {
+  const double *x = from;
+  double *y = to;
+  (void)type;
+  for (int k = 0; k < *count; k++)
+    y[k] = hypot(x[k], y[k]);
+}
+
+void dlsi_grid_join(const dlsi_grid *grid, dlsi_how how, double *x, size_t count) {
+  const MPI_Op op = how == DLSI_SUM ? MPI_SUM : how == DLSI_MOST ? grid->most : grid->norm;
+  if (grid->ranks == 1) return;
+  (void)MPI_Reduce(grid->rank ? x : MPI_IN_PLACE, x, (int)count, MPI_DOUBLE, op, 0, grid->all);
+  (void)MPI_Bcast(x, (int)count, MPI_DOUBLE, 0, grid->all);
+}
+
 dls_status dlsi_grid_open(dlsi_grid *grid, MPI_Comm comm, dls_error *error) {
   *grid = (dlsi_grid){.all = MPI_COMM_NULL, .row = MPI_COMM_NULL, .column = MPI_COMM_NULL};
   if (MPI_Comm_dup(comm, &grid->all))
@@ -40,6 +63,8 @@ dls_status dlsi_grid_open(dlsi_grid *grid, MPI_Comm comm, dls_error *error) {
   grid->handle = Csys2blacs_handle(grid->all);
   grid->context = grid->handle;
   Cblacs_gridinit(&grid->context, "R", grid->rows, grid->cols);
+  (void)MPI_Op_create(join_most, 1, &grid->most);
+  (void)MPI_Op_create(join_norm, 1, &grid->norm);
   grid->open = 1;
   return DLS_OK;
 }
@@ -48,6 +73,8 @@ void dlsi_grid_close(dlsi_grid *grid) {
   if (grid->open) {
     Cblacs_gridexit(grid->context);
     Cfree_blacs_system_handle(grid->handle);
+    (void)MPI_Op_free(&grid->most);
+    (void)MPI_Op_free(&grid->norm);
     (void)MPI_Comm_free(&grid->row);
     (void)MPI_Comm_free(&grid->column);
     (void)MPI_Comm_free(&grid->all);

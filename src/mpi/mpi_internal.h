@@ -26,11 +26,15 @@ typedef struct dlsi_grid {
   int rows, cols, my_row, my_col;
   int handle, context; /* of BLACS */
   int open;            /* 1: BLACS has the grid */
+  MPI_Op most, norm;   /* DLSI_MOST, DLSI_NORM */
 } dlsi_grid;
 
 /* *grid (to be closed also after an error) := the ranks of comm, row by row. Collective. */
 dls_status dlsi_grid_open(dlsi_grid *grid, MPI_Comm comm, dls_error *error);
 void dlsi_grid_close(dlsi_grid *grid);
+
+/* x := the sums, maxima or norms of the x of all ranks, with the same bits on each. Collective. */
+void dlsi_grid_join(const dlsi_grid *grid, dlsi_how how, double *x, size_t count);
 
 /* The distribution of square matrices of n rows: entry (i, j) of the share, i + rows j, is entry
  * (row[i], col[j]), both ascending. */
@@ -64,6 +68,42 @@ int dlsi_spread_invert(const dlsi_spread *s, double *A, int symmetric);
 /* C := C + A^T. Collective. */
 void dlsi_spread_add_transpose(const dlsi_spread *s, const double *A, double *C);
 
+/* ---- halo.c: rows of other ranks ------------------------------------------------------------- */
+
+/* A vector of a rank has its own rows, then ghosts. */
+typedef struct dlsi_halo {
+  const dlsi_grid *grid;
+  int rows, first;    /* own rows */
+  int ghosts, *ghost; /* rows of others, ascending, numbered through the ranks */
+  int open, near;     /* 1: graph is there; ranks in it */
+  MPI_Comm graph;
+  int *out, *out_start, *in, *in_start; /* near each: rows that are ghosts there; ghosts here */
+  int sent, *row;                       /* the former, own numbers */
+  double *x;                            /* sent: scratch */
+} dlsi_halo;
+
+/* Makes ghosts of those of `index` that this rank does not own. counts, starts: rows of all ranks;
+ * grid: borrowed. The caller calls dlsi_halo_free, also after an error. Collective. */
+dls_status dlsi_halo_create(dlsi_halo *h, const dlsi_grid *grid, const int *counts,
+                            const int *starts, const int *index, size_t count, dls_error *error);
+void dlsi_halo_free(dlsi_halo *h);
+
+/* Returns where a row or ghost stands; the number of a row or ghost. */
+int dlsi_halo_place(const dlsi_halo *h, int number);
+static inline int dlsi_halo_number(const dlsi_halo *h, int place) {
+  return place < h->rows ? h->first + place : h->ghost[place - h->rows];
+}
+
+/* Ghosts of x from their owners; owners' rows joined with the ghosts. Collective. */
+void dlsi_halo_fetch(const dlsi_halo *h, double *x);
+void dlsi_halo_give(const dlsi_halo *h, dlsi_how how, double *x);
+
+/* Sorts x and removes what stands there twice; returns how many are left. */
+int dlsi_unique(int *x, int count);
+
+/* Returns the place of `value` in the ascending x; -1: not there. */
+int dlsi_find(const int *x, int count, int value);
+
 /* ---- shares.c: the model as the ranks have it ------------------------------------------------ */
 
 typedef struct dlsi_shares {
@@ -74,19 +114,24 @@ typedef struct dlsi_shares {
   int *row_counts, *row_starts;   /* ranks each: rows */
   int *node_counts, *node_starts; /* ranks each: d nodes */
   int symmetric;
-  dlsi_columns H, Ht; /* count x m: all of H on the unknowns that it touches; its transpose */
-  int count, *keep;   /* those unknowns, ascending */
+  dlsi_triplets mine; /* columns of H of this rank's nodes, by columns */
+  dlsi_columns here;  /* rows of H of this rank, as H^T: contact rows of `touched` x rows */
+  dlsi_halo touched;  /* contact rows: of this rank's nodes, of others that `here` touches */
+  dlsi_ranks ranks;   /* what the certificate needs of them */
+  dlsi_columns H, Ht; /* count x m: all of H on the unknowns that it touches; its transpose .. */
+  int count, *keep;   /* .. those unknowns, ascending; dlsi_shares_shrink frees all this */
 } dlsi_shares;
 
 /* Checks what each rank can check alone: NULL, sizes, d, factorization. Local. */
 dls_status dlsi_shares_check(const dls_mpi_model *model, dls_error *error);
 
-/* Duplicates comm, checks the entries of the model, numbers, copies H. *work is zero before; the
- * caller calls dlsi_shares_free, also after an error. All of these are collective except
- * check_vector. */
+/* Duplicates comm, checks the entries of the model, numbers, copies H. *work is zero before, and
+ * stays in place; the caller calls dlsi_shares_free, also after an error. All of these are
+ * collective except check_vector and shrink. */
 dls_status dlsi_shares_create(dlsi_shares *work, MPI_Comm comm, const dls_mpi_model *model,
                               dls_error *error);
 void dlsi_shares_free(dlsi_shares *work);
+void dlsi_shares_shrink(dlsi_shares *work);
 
 /* Joins the triplets of all ranks, of equal sizes, in `whole`. The caller frees it. */
 dls_status dlsi_shares_join(const dlsi_shares *work, const dlsi_triplets *mine,
@@ -96,67 +141,79 @@ dls_status dlsi_shares_join(const dlsi_shares *work, const dlsi_triplets *mine,
 dls_status dlsi_shares_check_vector(const char *argument, const double *x, int count, int optional,
                                     dls_error *error);
 
-/* Gathers the d values of each node of this rank, own, to all (m); the rows of this rank, own or
- * NULL for 0, to all (n). */
+/* Gathers the d values of each node of this rank, own, to all (m). */
 void dlsi_shares_gather_nodes(const dlsi_shares *work, const double *own, double *all);
-void dlsi_shares_gather_rows(const dlsi_shares *work, const double *own, double *all);
+
+/* Gathers the rows of this rank on rank 0 (all: n there), or hands them out from there. */
+void dlsi_shares_collect(const dlsi_shares *work, const double *own, double *all);
+void dlsi_shares_hand_out(const dlsi_shares *work, const double *all, double *own);
+
+/* Sets b (rows) to sign_i / scale_i, signs at random, the same on any number of ranks. */
+void dlsi_shares_signs(const dlsi_shares *work, const double *scale, double *b);
 
 /* ---- body.c: the certificate of the body on a K that is spread ------------------------------- */
 
 typedef struct dlsi_mpi_body {
   const dlsi_shares *of;
   size_t entries; /* of K on this rank; of a symmetric K those on and below the diagonal */
-  int *row, *col;
+  dlsi_halo halo; /* unknowns: rows of this rank, others that these entries touch */
+  int *row, *col; /* places in it */
   double *x;
-  dlsi_body body; /* dlsi_body_measure is collective, with equal arguments on all ranks */
-  int *p, *part;  /* n + 1: of body.Ht; n */
-  double *w;      /* 2 nodes */
+  dlsi_body body; /* of the rows and nodes of this rank; its functions are collective */
+  int *part;      /* rows */
+  double *w;      /* 2 for each node of of->touched */
+  double *near;   /* 3 vectors of the halo: scratch */
   double *scratch;
 } dlsi_mpi_body;
 
 /* Copies K, finds connected bodies and weights. *work is zero before; the caller calls
- * dlsi_mpi_body_free, also after an error. `of` must stay in place. Collective. */
+ * dlsi_mpi_body_free, also after an error. `of` and *work must stay in place. Collective. */
 dls_status dlsi_mpi_body_create(dlsi_mpi_body *work, const dlsi_shares *of,
                                 const dls_mpi_model *model, dls_error *error);
 void dlsi_mpi_body_free(dlsi_mpi_body *work);
+
+/* Copies the places of entries as numbers through the ranks: row, col: entries each. */
+void dlsi_mpi_body_entries(const dlsi_mpi_body *work, int *row, int *col);
 
 /* ---- condense.c: K without the unknowns that are kept ---------------------------------------- */
 
 typedef struct dlsi_condenser dlsi_condenser;
 
-/* Orders, analyses, factors K, spread as entries of a checked model. keep: the unknowns c that H
- * touches, count, ascending, equal on all ranks. *S: receives the share of the Schur complement of
- * the scaled A = R K C, distributed by `spread`, to be freed; its lower triangle if K is symmetric.
- * info: receives the phases and the memory of MUMPS. Collective, status equal on all ranks; *out
- * and *S are NULL on error. */
-dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, int n,
-                                 const dls_mpi_model *model, double memory_limit, int count,
-                                 const int *keep, const dlsi_spread *spread, double **S,
-                                 dls_mpi_info *info, dls_error *error);
+/* Orders, analyses, factors K, spread as entries of a checked model, `of` its shares with keep. *S:
+ * receives the share of the Schur complement of the scaled A = R K C, distributed by `spread`, to
+ * be freed; its lower triangle if K is symmetric. info: receives the phases and the memory of
+ * MUMPS. Collective, status equal on all ranks; *out and *S are NULL on error. of: borrowed. */
+dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_shares *of,
+                                 const dls_mpi_model *model, double memory_limit,
+                                 const dlsi_spread *spread, double **S, dls_mpi_info *info,
+                                 dls_error *error);
 
-/* R and C on the kept unknowns, count each, on every rank: (K^-1)_cc = C_c S^-1 R_c. For all
- * unknowns, n each, on rank 0. */
+/* R and C on the kept unknowns, count each, on every rank: (K^-1)_cc = C_c S^-1 R_c. For the rows
+ * of this rank. */
 typedef struct dlsi_scales {
-  const double *row, *col, *all_rows, *all_cols;
+  const double *row, *col, *own_rows, *own_cols;
   double norm; /* |A|_1 */
 } dlsi_scales;
 dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work);
 
-/* The two halves of a solve. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
- * that (K^-1 b)_c = (K^-1)_cc z. expand: x (n, on rank 0) with the values y (count) on c. b and x
- * have room for n + 1 numbers. Collective. */
+/* The two halves of a solve. condense: z (count, on every rank) from b (rows of this rank, spoilt),
+ * so that (K^-1 b)_c = (K^-1)_cc z. expand, after it: x (rows) with the values y (count) on c.
+ * Collective. */
 dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error);
 dls_status dlsi_condenser_expand(dlsi_condenser *work, const double *y, double *x,
                                  dls_error *error);
 
-/* Orders and analyses the pattern of a matrix without kept unknowns; info receives the phases. Then
- * refactor takes the values of a model with the same pattern, whenever they change; condense with z
- * NULL and expand with y NULL solve. DLS_E_SINGULAR, DLS_E_NOT_POSITIVE_DEFINITE and
- * DLS_E_NOT_FINITE leave the pattern ready for other values. Collective. */
-dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_grid *grid, int n,
+/* Orders and analyses the pattern of a matrix without kept unknowns; info receives the phases.
+ * Again: for another kind. Then values (in the order of the model's entries, to be written anew
+ * each time) and refactor, whenever they change; condense with z NULL and expand with y NULL solve.
+ * DLS_E_SINGULAR, DLS_E_NOT_POSITIVE_DEFINITE and DLS_E_NOT_FINITE leave the pattern ready for
+ * other values. Collective. */
+dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_shares *of,
                                 const dls_mpi_model *model, dls_mpi_info *info, dls_error *error);
-dls_status dlsi_condenser_refactor(dlsi_condenser *work, const dls_mpi_model *model,
-                                   dls_mpi_info *info, dls_error *error);
+dls_status dlsi_condenser_again(dlsi_condenser *work, dls_factorization kind, dls_mpi_info *info,
+                                dls_error *error);
+double *dlsi_condenser_values(dlsi_condenser *work);
+dls_status dlsi_condenser_refactor(dlsi_condenser *work, dls_mpi_info *info, dls_error *error);
 
 /* NULL is fine. Collective. */
 void dlsi_condenser_destroy(dlsi_condenser *work);
@@ -167,14 +224,10 @@ typedef struct dlsi_mpi_system {
   const dlsi_mpi_body *K;
   dls_mpi_info *info; /* adds up the phases */
   dlsi_condenser *condenser;
-  dls_factorization kind; /* of A */
-  dls_mpi_model model;    /* entries of A on this rank, counted in this order: K, H R H^T, E */
-  size_t of_H;
-  int *row, *col;
-  double *x;
-  double *e;   /* n: E is hold * e, e = |K_jj| */
+  size_t of_H; /* entries of A on this rank, in this order: K, so many of H R H^T, E of its rows */
+  double *e;   /* rows: E is hold * e, e = |K_jj| */
   double hold; /* 0 if nothing is singular */
-  double *b;   /* n: scratch */
+  double *b;   /* rows: scratch */
 } dlsi_mpi_system;
 
 /* Lists A and analyses it. *work is zero before; the caller calls dlsi_mpi_system_free, also after
@@ -183,8 +236,8 @@ dls_status dlsi_mpi_system_create(dlsi_mpi_system *work, const dlsi_mpi_body *K,
                                   dls_factorization kind, dls_mpi_info *info, dls_error *error);
 void dlsi_mpi_system_free(dlsi_mpi_system *work);
 
-/* The functions of a dls_global_solver, data: a dlsi_mpi_system, with equal arguments of all ranks:
- * R: m; b, x: n. */
+/* The functions of a dls_global_solver, data: a dlsi_mpi_system: R: of this rank's nodes; b, x:
+ * rows. */
 dls_status dlsi_mpi_system_prepare(void *data, const double *R, dls_error *error);
 dls_status dlsi_mpi_system_solve(void *data, const double *b, double *x, double accuracy,
                                  dls_error *error);
@@ -219,15 +272,15 @@ struct dls_mpi_reduction {
   double *A;     /* share of (W + rho D)^-1, NULL before the first solve; as Z */
   int A_symmetric;
   double *q, *gap;   /* m each: of the last load, as f */
-  double *f, *b;     /* n; scratch, n + 1 */
+  double *f, *b;     /* rows each; b: scratch */
   double *z, *local; /* scratch: count; m */
   dls_mpi_info info;
 };
 
-/* work->b := K^-1 f on all ranks. Errors of dlsi_mpi_recover. */
+/* work->b := K^-1 f. Errors of dlsi_mpi_recover. */
 dls_status dlsi_mpi_own(dls_mpi_reduction *work, dls_error *error);
 
-/* Computes x := K^-1 (f + H r) on every rank. r: m; x: n, of all ranks. Collective. */
+/* Computes x := K^-1 (f + H r). r: m, of all ranks; x: rows. Collective. */
 dls_status dlsi_mpi_recover(dls_mpi_reduction *work, const double *r, double *x, dls_error *error);
 
 /* The wall clock and the CPU seconds of this thread, to take differences of. */

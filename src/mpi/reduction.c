@@ -149,7 +149,7 @@ static dls_status reduction_invert(dls_mpi_reduction *work, int definite, dls_er
   return DLS_OK;
 }
 
-/* Solves x := K^-1 b. b, x: n, on rank 0; b: spoilt. */
+/* Solves b := K^-1 b. b: rows. */
 static dls_status reduction_solve(dls_mpi_reduction *work, double *b, dls_error *error) {
   dls_status status = dlsi_condenser_condense(work->condenser, b, work->z, error);
   if (status) return status;
@@ -160,46 +160,43 @@ static dls_status reduction_solve(dls_mpi_reduction *work, double *b, dls_error 
 
 /* (MR5) */
 static dls_status reduction_estimate(dls_mpi_reduction *work, dls_error *error) {
-  const size_t n = (size_t)work->of.n;
+  const dlsi_shares *of = &work->of;
   const dlsi_scales scales = dlsi_condenser_scales(work->condenser);
-  unsigned long long seed = 1; /* equal vectors each time */
-  double *b = work->b, found[2] = {0, 0};
-  const int root = work->of.grid.rank == 0;
-  for (size_t i = 0; root && i < n; i++) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    b[i] = (seed >> 63 ? 1 : -1) / scales.all_rows[i];
-  }
+  struct {
+    double size;
+    int at;
+  } worst = {-1, 0};
+  double *b = work->b;
+  dlsi_shares_signs(of, scales.own_rows, b);
   const dls_status status = reduction_solve(work, b, error);
   if (status) return status;
-  if (root) {
-    size_t worst = 0;
-    for (size_t i = 0; i < n; i++) {
-      b[i] /= scales.all_cols[i];
-      if (fabs(b[i]) > fabs(b[worst])) worst = i;
-    }
-    found[0] = 1 / (scales.norm * dlsi_norm2(b, n));
-    found[1] = (double)worst;
+  for (int i = 0; i < of->rows; i++) {
+    b[i] /= scales.own_cols[i];
+    if (!(fabs(b[i]) > worst.size)) continue;
+    worst.size = fabs(b[i]);
+    worst.at = of->first_row + i;
   }
-  (void)MPI_Bcast(found, 2, MPI_DOUBLE, 0, work->of.grid.all);
-  work->condition = 1 / found[0];
-  if (found[0] >= 10 * DBL_EPSILON) return DLS_OK; /* false for NaN */
-  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", (long long)found[1], found[0],
-                   "singular: condition %.3g (scaled)", 1 / found[0]);
+  const double found = 1 / (scales.norm * dlsi_joined_norm(&of->ranks, b, (size_t)of->rows));
+  (void)MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, of->grid.all);
+  work->condition = 1 / found;
+  if (found >= 10 * DBL_EPSILON) return DLS_OK; /* false for NaN */
+  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", worst.at, found,
+                   "singular: condition %.3g (scaled)", 1 / found);
 }
 
 static dls_status reduction_allocate(dls_mpi_reduction *work, dls_error *error) {
-  const size_t m = (size_t)work->of.m, n = (size_t)work->of.n;
+  const size_t m = (size_t)work->of.m, rows = (size_t)work->of.rows;
   dls_status status = dlsi_spread_create(&work->on_kept, &work->of.grid, work->of.count, error);
   if (!status) status = dlsi_spread_create(&work->on_W, &work->of.grid, work->of.m, error);
   work->q = calloc(3 * m + (size_t)work->of.count + 1, sizeof *work->q);
-  work->f = calloc(2 * n + 1, sizeof *work->f);
+  work->f = calloc(2 * rows + 1, sizeof *work->f);
   if (!status && (!work->q || !work->f)) status = dlsi_no_memory(error);
   status = dlsi_agree(work->of.grid.all, status, error);
   if (status) return status;
   work->gap = work->q + m;
   work->local = work->gap + m;
   work->z = work->local + m;
-  work->b = work->f + n;
+  work->b = work->f + rows;
   return DLS_OK;
 }
 
@@ -213,9 +210,8 @@ static dls_status reduction_build(dls_mpi_reduction *work, MPI_Comm comm,
   if (!status) status = reduction_allocate(work, error);
   if (status) return status;
   (void)MPI_Bcast(&memory_limit, 1, MPI_DOUBLE, 0, work->of.grid.all);
-  status =
-      dlsi_condenser_create(&work->condenser, &work->of.grid, work->of.n, model, memory_limit,
-                            work->of.count, work->of.keep, &work->on_kept, &work->Z, info, error);
+  status = dlsi_condenser_create(&work->condenser, &work->of, model, memory_limit, &work->on_kept,
+                                 &work->Z, info, error);
   dlsi_mpi_clock from = dlsi_mpi_now();
   if (!status) status = reduction_invert(work, model->factorization == DLS_CHOLESKY, error);
   dlsi_mpi_clock now = dlsi_mpi_now();
@@ -283,7 +279,7 @@ dls_status dls_mpi_reduction_create(dls_mpi_reduction **out, MPI_Comm comm,
 
 static dls_status reduction_load(dls_mpi_reduction *work, const double *f, const double *g,
                                  dls_error *error) {
-  const size_t m = (size_t)work->of.m;
+  const size_t m = (size_t)work->of.m, rows = (size_t)work->of.rows;
   const MPI_Comm all = work->of.grid.all;
   const int own = work->of.d * work->of.own;
   dls_status status = dlsi_shares_check_vector("f", f, work->of.rows, 1, error);
@@ -294,12 +290,14 @@ static dls_status reduction_load(dls_mpi_reduction *work, const double *f, const
   if (!status) {
     if (g && own) memcpy(mine, g, (size_t)own * sizeof *mine);
     dlsi_shares_gather_nodes(&work->of, mine, work->local);
-    dlsi_shares_gather_rows(&work->of, f, work->b);
+    for (size_t j = 0; j < rows; j++)
+      work->b[j] = f ? f[j] : 0;
     status = dlsi_condenser_condense(work->condenser, work->b, work->z, error);
   }
   free(mine);
   if (status) return status;
-  dlsi_shares_gather_rows(&work->of, f, work->f);
+  for (size_t j = 0; j < rows; j++)
+    work->f[j] = f ? f[j] : 0;
   memcpy(work->gap, work->local, m * sizeof *work->gap);
   if (work->of.count)
     dlsi_spread_multiply(&work->on_kept, work->Z, work->of.symmetric, 0, work->z, work->z);
@@ -402,24 +400,21 @@ dls_status dls_mpi_reduction_gather(const dls_mpi_reduction *reduction, double *
 }
 
 dls_status dlsi_mpi_recover(dls_mpi_reduction *work, const double *r, double *x, dls_error *error) {
-  const dlsi_columns *H = &work->of.H;
+  const dlsi_columns *Ht = &work->of.here;
   double *b = work->b;
-  memcpy(b, work->f, (size_t)work->of.n * sizeof *b);
-  for (int j = 0; j < work->of.m; j++)
-    for (int e = H->p[j]; e < H->p[j + 1]; e++)
-      b[work->of.keep[H->i[e]]] += H->x[e] * r[j];
+  for (int j = 0; j < work->of.rows; j++) {
+    b[j] = work->f[j];
+    for (int e = Ht->p[j]; e < Ht->p[j + 1]; e++)
+      b[j] += Ht->x[e] * r[dlsi_halo_number(&work->of.touched, Ht->i[e])];
+  }
   const dls_status status = reduction_solve(work, b, error); /* (MR7) */
-  if (status) return status;
-  (void)MPI_Bcast(b, work->of.n, MPI_DOUBLE, 0, work->of.grid.all);
-  if (x != b) memcpy(x, b, (size_t)work->of.n * sizeof *x);
-  return DLS_OK;
+  if (!status && work->of.rows) memcpy(x, b, (size_t)work->of.rows * sizeof *x);
+  return status;
 }
 
 dls_status dlsi_mpi_own(dls_mpi_reduction *work, dls_error *error) {
-  memcpy(work->b, work->f, (size_t)work->of.n * sizeof *work->b);
-  const dls_status status = reduction_solve(work, work->b, error);
-  if (!status) (void)MPI_Bcast(work->b, work->of.n, MPI_DOUBLE, 0, work->of.grid.all);
-  return status;
+  memcpy(work->b, work->f, (size_t)work->of.rows * sizeof *work->b);
+  return reduction_solve(work, work->b, error);
 }
 
 static dls_status reduction_recover(dls_mpi_reduction *work, const double *r, double *x,
@@ -431,10 +426,7 @@ static dls_status reduction_recover(dls_mpi_reduction *work, const double *r, do
   status = dlsi_agree(work->of.grid.all, status, error);
   if (status) return status;
   dlsi_shares_gather_nodes(&work->of, own ? r : &nothing, work->local);
-  status = dlsi_mpi_recover(work, work->local, work->b, error);
-  if (!status && work->of.rows)
-    memcpy(x, work->b + work->of.first_row, (size_t)work->of.rows * sizeof *x);
-  return status;
+  return dlsi_mpi_recover(work, work->local, x, error);
 }
 
 dls_status dls_mpi_reduction_recover(dls_mpi_reduction *reduction, const double *r, double *x,

@@ -3,9 +3,11 @@
  * vectors between one rank and all.
  *
  *   (SH1)  number rows and nodes through the ranks
- *   (SH2)  H goes to every rank, on the unknowns that it touches
+ *   (SH2)  H goes to every rank, on the unknowns that it touches: for the weights, and for W
+ *   (SH3)  a rank keeps the columns of its nodes, and the rows of its unknowns
  *
- * Memory of a rank: H twice. Fails: sizes that do not fit an int, no memory.
+ * Memory of a rank: its part of H twice; all of H twice until shrink. Fails: sizes that do not fit
+ * an int, no memory.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -144,51 +146,82 @@ dls_status dlsi_shares_join(const dlsi_shares *work, const dlsi_triplets *mine,
   return DLS_OK;
 }
 
-/* Lists the unknowns that H touches and makes H and H^T on them. */
+/* Lists the unknowns that H touches and makes H and H^T on them. t: its rows become places in keep.
+ */
 static dls_status shares_compress(dlsi_shares *work, dlsi_triplets *t, dls_error *error) {
-  const size_t n = (size_t)work->n;
-  int *place = calloc(n, sizeof *place);
-  if (!place) return dlsi_no_memory(error);
-  for (int k = 0; k < t->count; k++)
-    place[t->row[k]] = 1;
-  for (size_t i = 0; i < n; i++)
-    work->count += place[i];
-  work->keep = dlsi_alloc((size_t)work->count, sizeof *work->keep);
-  if (work->keep) {
-    int at = 0;
-    for (int i = 0; i < work->n; i++)
-      if (place[i]) {
-        place[i] = at;
-        work->keep[at++] = i;
-      }
-    for (int k = 0; k < t->count; k++)
-      t->row[k] = place[t->row[k]];
-  }
-  free(place);
+  work->keep = dlsi_alloc((size_t)t->count, sizeof *work->keep);
   if (!work->keep) return dlsi_no_memory(error);
-  t->rows = work->count;
+  memcpy(work->keep, t->row, (size_t)t->count * sizeof *t->row);
+  t->rows = work->count = dlsi_unique(work->keep, t->count);
+  for (int k = 0; k < t->count; k++)
+    t->row[k] = dlsi_find(work->keep, work->count, t->row[k]);
   const dls_status status = dlsi_columns_compress(t, 1, DLSI_ALL, &work->H, error);
   if (status) return status;
   const dlsi_triplets turned = {t->cols, t->rows, t->count, t->col, t->row, t->x};
   return dlsi_columns_compress(&turned, 1, DLSI_ALL, &work->Ht, error);
 }
 
+/* (SH3) */
+static dls_status shares_take_rows(dlsi_shares *work, const dlsi_triplets *all, dls_error *error) {
+  const int d = work->d;
+  dlsi_triplets t;
+  size_t count = 0;
+  int *index = dlsi_alloc((size_t)all->count, (size_t)d * sizeof *index);
+  dls_status status = dlsi_triplets_alloc(0, work->rows, (size_t)all->count, &t, error);
+  if (!status && !index) status = dlsi_no_memory(error);
+  status = dlsi_agree(work->grid.all, status, error);
+  for (int k = 0; !status && k < all->count; k++) {
+    const int row = all->row[k] - work->first_row;
+    if (row < 0 || row >= work->rows) continue;
+    dlsi_triplets_add(&t, all->col[k], row, all->x[k]);
+    for (int i = 0; i < d; i++) /* all directions of a node */
+      index[count++] = all->col[k] / d * d + i;
+  }
+  if (!status)
+    status = dlsi_halo_create(&work->touched, &work->grid, work->node_counts, work->node_starts,
+                              index, count, error);
+  if (!status) {
+    t.rows = work->touched.rows + work->touched.ghosts;
+    for (int k = 0; k < t.count; k++)
+      t.row[k] = dlsi_halo_place(&work->touched, t.row[k]);
+    status = dlsi_columns_compress(&t, 1, DLSI_ALL, &work->here, error);
+    work->ranks.scratch = dlsi_alloc((size_t)t.rows, sizeof(double));
+    if (!status && !work->ranks.scratch) status = dlsi_no_memory(error);
+    status = dlsi_agree(work->grid.all, status, error);
+  }
+  dlsi_triplets_free(&t);
+  free(index);
+  return status;
+}
+
 /* (SH2) */
 static dls_status shares_take_H(dlsi_shares *work, const dls_mpi_model *model, dls_error *error) {
   const int nodes = model->nodes;
-  dlsi_triplets mine, whole = {0};
+  dlsi_triplets whole = {0};
   const size_t most =
       nodes ? (size_t)model->HN.p[nodes] + (size_t)model->HT.p[(work->d - 1) * nodes] : 0;
-  dls_status status = dlsi_triplets_alloc(work->n, work->m, most, &mine, error);
+  dls_status status = dlsi_triplets_alloc(work->n, work->m, most, &work->mine, error);
   status = dlsi_agree(work->grid.all, status, error);
   if (!status) {
-    shares_list(work, model, &mine);
-    status = dlsi_shares_join(work, &mine, &whole, error);
+    shares_list(work, model, &work->mine);
+    status = dlsi_shares_join(work, &work->mine, &whole, error);
   }
+  if (!status) status = shares_take_rows(work, &whole, error);
   if (!status) status = dlsi_agree(work->grid.all, shares_compress(work, &whole, error), error);
   dlsi_triplets_free(&whole);
-  dlsi_triplets_free(&mine);
   return status;
+}
+
+static void ranks_join(void *data, dlsi_how how, double *x, size_t count) {
+  dlsi_grid_join(&((const dlsi_shares *)data)->grid, how, x, count);
+}
+
+static void ranks_fetch(void *data, double *r) {
+  dlsi_halo_fetch(&((const dlsi_shares *)data)->touched, r);
+}
+
+static void ranks_give(void *data, dlsi_how how, double *u) {
+  dlsi_halo_give(&((const dlsi_shares *)data)->touched, how, u);
 }
 
 dls_status dlsi_shares_create(dlsi_shares *work, MPI_Comm comm, const dls_mpi_model *model,
@@ -199,15 +232,34 @@ dls_status dlsi_shares_create(dlsi_shares *work, MPI_Comm comm, const dls_mpi_mo
     status = dlsi_agree(work->grid.all, model_check_entries(model, work->n, error), error);
   if (!status) status = shares_take_H(work, model, error);
   work->symmetric = model->factorization != DLS_LU;
+  work->ranks = (dlsi_ranks){.data = work,
+                             .join = ranks_join,
+                             .fetch = ranks_fetch,
+                             .give = ranks_give,
+                             .first = work->first,
+                             .all = (size_t)work->m,
+                             .reach = (size_t)work->here.rows,
+                             .scratch = work->ranks.scratch};
   return status;
 }
 
-void dlsi_shares_free(dlsi_shares *work) {
+void dlsi_shares_shrink(dlsi_shares *work) {
   dlsi_columns_free(&work->H);
   dlsi_columns_free(&work->Ht);
-  dlsi_grid_close(&work->grid);
-  free(work->row_counts);
   free(work->keep);
+  work->H = work->Ht = (dlsi_columns){.p = NULL};
+  work->keep = NULL;
+  work->count = 0;
+}
+
+void dlsi_shares_free(dlsi_shares *work) {
+  dlsi_shares_shrink(work);
+  dlsi_columns_free(&work->here);
+  dlsi_triplets_free(&work->mine);
+  dlsi_halo_free(&work->touched);
+  dlsi_grid_close(&work->grid);
+  free(work->ranks.scratch);
+  free(work->row_counts);
 }
 
 /* ---- vectors --------------------------------------------------------------------------------- */
@@ -223,9 +275,21 @@ void dlsi_shares_gather_nodes(const dlsi_shares *work, const double *own, double
                        work->node_starts, MPI_DOUBLE, work->grid.all);
 }
 
-void dlsi_shares_gather_rows(const dlsi_shares *work, const double *own, double *all) {
-  for (int i = 0; i < work->rows; i++)
-    all[work->first_row + i] = own ? own[i] : 0;
-  (void)MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, work->row_counts, work->row_starts,
-                       MPI_DOUBLE, work->grid.all);
+void dlsi_shares_collect(const dlsi_shares *work, const double *own, double *all) {
+  (void)MPI_Gatherv(own, work->rows, MPI_DOUBLE, all, work->row_counts, work->row_starts,
+                    MPI_DOUBLE, 0, work->grid.all);
+}
+
+void dlsi_shares_hand_out(const dlsi_shares *work, const double *all, double *own) {
+  (void)MPI_Scatterv(all, work->row_counts, work->row_starts, MPI_DOUBLE, own, work->rows,
+                     MPI_DOUBLE, 0, work->grid.all);
+}
+
+void dlsi_shares_signs(const dlsi_shares *work, const double *scale, double *b) {
+  unsigned long long seed = 1; /* equal vectors each time */
+  for (int i = 0; i < work->first_row + work->rows; i++) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    const int k = i - work->first_row;
+    if (k >= 0) b[k] = (seed >> 63 ? 1 : -1) / scale[k];
+  }
 }

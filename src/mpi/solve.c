@@ -43,7 +43,7 @@ typedef struct shared_solve {
   dls_mpi_reduction *work;
   dls_mpi_settings settings;
   double *mu, *r, *u, *blocks; /* nc, m, m, d m */
-  double *x;                   /* n */
+  double *x;                   /* rows */
   int *p, *i;                  /* nc + 1, nc */
   dlsi_mpi_watch watch;        /* (MS3) */
 } shared_solve;
@@ -214,36 +214,42 @@ static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *e
 static const double usual_tol = 1e-8; /* of dls_mpi_certify, which has none of its own */
 
 /* Measures (x, r), or on the problem without the body's own deformation (linear/own.h) if only that
- * can tell: K is regular, so y = x - K^-1 f, f' = 0 and g' = q. mu, r, u: m; x: n. Collective. */
+ * can tell: K is regular, so y = x - K^-1 f, f' = 0 and g' = q. mu, r, u: of this rank's nodes; x:
+ * rows. Collective. */
 static dls_status measure_pair(dls_mpi_reduction *work, const double *mu, const double *r,
                                const double *x, double tol, double *u, dls_certificate *found,
                                dls_error *error) {
   const dlsi_body *body = &work->body.body;
-  dlsi_body_measure(body, work->f, work->gap, mu, r, x, u, work->body.scratch, found);
-  if (body->joint || dlsi_certificate_verdict(found, tol) != DLS_STALLED) return DLS_OK;
+  const size_t own = (size_t)(work->of.d * work->of.own),
+               first = (size_t)(work->of.d * work->of.first);
+  dlsi_body_measure(body, work->f, work->gap + first, mu, r, x, u, work->body.scratch, found);
+  if (dlsi_certificate_verdict(found, tol) != DLS_STALLED) return DLS_OK;
   dls_certificate loose = *found;
   dlsi_forces_loose(body, work->body.scratch, &loose);
   if (dlsi_certificate_verdict(&loose, tol) == DLS_STALLED) return DLS_OK;
-  if (dlsi_max_abs(r, (size_t)work->of.m) == 0) {
+  if (dlsi_joined_norm(body->ranks, r, own) == 0) {
     *found = loose;
     return DLS_OK;
   }
   const dls_status status = dlsi_mpi_own(work, error);
   if (status) return status;
-  for (int j = 0; j < work->of.n; j++)
+  for (int j = 0; j < work->of.rows; j++)
     work->b[j] = x[j] - work->b[j];
-  dlsi_body_measure(body, NULL, work->q, mu, r, work->b, u, work->body.scratch, found);
+  dlsi_body_measure(body, NULL, work->q + first, mu, r, work->b, u, work->body.scratch, found);
   return DLS_OK;
 }
 
 /* (MS4) */
 static dls_status solve_judge(shared_solve *solve, double tol, dls_info *info, dls_error *error) {
   dls_mpi_reduction *work = solve->work;
+  const size_t d = (size_t)work->of.d, first = (size_t)work->of.first;
   dls_certificate seen;
   dls_status status = dlsi_mpi_recover(work, solve->r, solve->x, error);
   if (!status)
-    status = measure_pair(work, solve->mu, solve->r, solve->x, tol, solve->u, &seen, error);
+    status = measure_pair(work, solve->mu + first, solve->r + d * first, solve->x, tol, work->local,
+                          &seen, error);
   if (status) return status;
+  dlsi_shares_gather_nodes(&work->of, work->local, solve->u);
   dlsi_body_judge(info, &seen, tol, work->condition);
   return info->status;
 }
@@ -252,28 +258,18 @@ static dls_status mpi_certify(dls_mpi_reduction *work, const double *mu, const d
                               const double *x, double *u, dls_certificate *certificate,
                               dls_error *error) {
   const dlsi_shares *of = &work->of;
-  const size_t m = (size_t)of->m, own = (size_t)(of->d * of->own);
-  dls_status status = dlsi_shares_check_vector("r", r, of->d * of->own, 0, error);
+  const int own = of->d * of->own;
+  dls_status status = dlsi_shares_check_vector("r", r, own, 0, error);
   if (!status) status = dlsi_shares_check_vector("x", x, of->rows, 0, error);
   if (!status && of->own && !mu) status = dlsi_is_null(error, "mu");
   if (!status && of->own) status = dlsi_check_friction(mu, (size_t)of->own, error);
   if (!status && !certificate) status = dlsi_is_null(error, "certificate");
-  double *all = status ? NULL : calloc(3 * m + (size_t)of->n + 1, sizeof *all);
-  if (!status && !all) status = dlsi_no_memory(error);
   status = dlsi_agree(of->grid.all, status, error);
-  if (!status) {
-    double *r_all = all + m, *mu_all = r_all + m, *x_all = mu_all + m;
-    for (size_t k = 0; k < own; k++)
-      work->local[k] = mu[k / (size_t)of->d];
-    dlsi_shares_gather_nodes(of, work->local, mu_all);
-    for (int c = 0; c < of->nodes; c++)
-      mu_all[c] = mu_all[of->d * c];
-    dlsi_shares_gather_nodes(of, r, r_all);
-    dlsi_shares_gather_rows(of, x, x_all);
-    status = measure_pair(work, mu_all, r_all, x_all, usual_tol, all, certificate, error);
-    if (!status && u && own) memcpy(u, all + (size_t)(of->d * of->first), own * sizeof *u);
-  }
-  free(all);
+  if (status) return status;
+  static const double nothing = 0; /* of a rank without rows, or without nodes */
+  status = measure_pair(work, mu, own ? r : &nothing, of->rows ? x : &nothing, usual_tol,
+                        work->local, certificate, error);
+  if (!status && u && own) memcpy(u, work->local, (size_t)own * sizeof *u);
   return status;
 }
 
@@ -385,8 +381,8 @@ static dls_status solve_check(const dls_mpi_reduction *work, const double *mu,
 
 static dls_status solve_allocate(shared_solve *solve, dls_error *error) {
   const size_t d = (size_t)solve->work->of.d, m = (size_t)solve->work->of.m, nc = m / d;
-  const size_t n = (size_t)solve->work->of.n;
-  solve->mu = calloc(nc + (3 + d) * m + n + 1, sizeof *solve->mu);
+  const size_t rows = (size_t)solve->work->of.rows;
+  solve->mu = calloc(nc + (3 + d) * m + rows + 1, sizeof *solve->mu);
   solve->p = dlsi_alloc(2 * nc + 1, sizeof *solve->p);
   if (!solve->mu || !solve->p) return dlsi_no_memory(error);
   solve->r = solve->mu + nc;

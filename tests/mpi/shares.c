@@ -43,6 +43,11 @@ share share_take(const dls_model *model, cut how, const double *f, const double 
   int rank, ranks;
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   (void)MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  return share_of(model, how, rank, ranks, f, g, mu);
+}
+
+share share_of(const dls_model *model, cut how, int rank, int ranks, const double *f,
+               const double *g, const double *mu) {
   const dls_sparse *K = &model->Ks;
   const int d = model->d, lo = cut_at(how, model->n, rank, ranks),
             hi = cut_at(how, model->n, rank + 1, ranks);

@@ -21,6 +21,10 @@ typedef struct share {
  * columns of K that the rank has as rows. */
 share share_take(const dls_model *model, cut how, const double *f, const double *g,
                  const double *mu);
+
+/* That of one of so many ranks. */
+share share_of(const dls_model *model, cut how, int rank, int ranks, const double *f,
+               const double *g, const double *mu);
 void share_free(share *s);
 
 /* Counts a failure, with its place, if `holds` is 0. */

@@ -1,5 +1,6 @@
 /* test_mpi.c: the reduction and the solve on several ranks against the serial ones. Run by
  * tests/mpi/run.sh under mpirun. */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -109,9 +110,11 @@ static void compare_certificates(const scene *s, const share *part, dls_mpi_redu
       {seen.equilibrium, s->off.equilibrium}, {seen.unbalanced, s->off.unbalanced},
       {seen.floor_u, s->off.floor_u},         {seen.floor_r, s->off.floor_r},
       {seen.floor_e, s->off.floor_e}};
-  for (int k = 0; k < 7; k++)
-    EXPECT(fabs(parts[k][0] - parts[k][1]) <= 1e-9 * parts[k][1], "part %d: %g, serial %g", k,
-           parts[k][0], parts[k][1]);
+  for (int k = 0; k < 7; k++) { /* the first two are positions near 0: rounding, in another order */
+    const double rounding = k < 2 ? DBL_EPSILON : 0;
+    EXPECT(fabs(parts[k][0] - parts[k][1]) <= 1e-9 * parts[k][1] + rounding,
+           "part %d: %g, serial %g", k, parts[k][0], parts[k][1]);
+  }
   EXPECT(seen.equilibrium > 1e-5 && seen.body == s->off.body && seen.worst == s->off.worst,
          "equilibrium %g, body %d, worst %d", seen.equilibrium, seen.body, seen.worst);
   free(r);

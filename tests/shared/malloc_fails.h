@@ -18,6 +18,9 @@ void malloc_fails_at(long k);
 long malloc_calls(void);
 size_t malloc_bytes(void);
 
+/* The most bytes that our own code has held since the last malloc_fails_at, over those of then. */
+long malloc_most(void);
+
 /* Makes a call again and again: its first allocation fails, then its second, .., then none. Each
  * failure has to answer DLS_E_MEMORY and leave `untouched` true; at least `least` fail; the call
  * that meets no failure answers `end`. Finds a call that passes over a failure, too. */
