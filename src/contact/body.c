@@ -219,28 +219,6 @@ size_t dlsi_body_scratch(const dlsi_body *body) {
   return 4 * body_rows(body) + dlsi_forces_scratch(body);
 }
 
-const double *dlsi_body_fetch(const dlsi_body *body, const double *r) {
-  if (!body->ranks) return r;
-  double *all = body->ranks->scratch;
-  memcpy(all, r, (size_t)(body->d * body->nc) * sizeof *r);
-  body->ranks->fetch(body->ranks->data, all);
-  return all;
-}
-
-double *dlsi_body_reach(const dlsi_body *body, double *u) {
-  if (!body->ranks) return u;
-  double *all = body->ranks->scratch;
-  memset(all, 0, body->ranks->reach * sizeof *all);
-  memcpy(all, u, (size_t)(body->d * body->nc) * sizeof *u);
-  return all;
-}
-
-void dlsi_body_give(const dlsi_body *body, dlsi_how how, double *all, double *u) {
-  if (!body->ranks) return;
-  body->ranks->give(body->ranks->data, how, all);
-  if (all != u) memcpy(u, all, (size_t)(body->d * body->nc) * sizeof *u);
-}
-
 /* Sets *m to max(*m, x), keeping NaN. */
 static void body_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
@@ -316,8 +294,8 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
   const int has_K = body->model || body->multiply;
   if (has_K) dlsi_forces_sum(body, f, r, x, &of.forces);
   measure_scale(body, g, r, u, has_K, &of);
-  dlsi_laws laws = {body->d, body->nc, mu,       r,    u,    body->w,
-                    of.ut,   NULL,     of.scale, of.F, NULL, 0, body->ranks};
+  dlsi_laws laws = {body->d, body->nc, mu,   r,    u, body->w,    of.ut,
+                    NULL,    of.scale, of.F, NULL, 0, body->ranks};
   if (has_K) {
     measure_hidden(body, &of);
     laws.hidden = of.hidden;

@@ -473,8 +473,8 @@ void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
-  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r, u,    w,
-                        a,          problem->q,  problem->q,  F, NULL, 0, NULL};
+  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r,    u, w,   a,
+                        problem->q, problem->q,  F,           NULL, 0, NULL};
   dlsi_laws_measure(&of, certificate);
 }
 

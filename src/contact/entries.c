@@ -1,5 +1,6 @@
 /*
- * entries.c: K of a model, dense or sparse, entry by entry, and products with it.
+ * entries.c: K of a model, dense or sparse, entry by entry, and products with it; rows of H^T x and
+ * r that other ranks have.
  *
  * Cost: that of the entries. Cannot fail.
  */
@@ -51,4 +52,28 @@ void dlsi_body_multiply(const dls_model *model, const double *x, double *y, doub
     y[j] += sum;
     if (a) a[j] += size;
   }
+}
+
+/* ---- rows of other ranks --------------------------------------------------------------------- */
+
+const double *dlsi_body_fetch(const dlsi_body *body, const double *r) {
+  if (!body->ranks) return r;
+  double *all = body->ranks->scratch;
+  memcpy(all, r, (size_t)(body->d * body->nc) * sizeof *r);
+  body->ranks->fetch(body->ranks->data, all);
+  return all;
+}
+
+double *dlsi_body_reach(const dlsi_body *body, double *u) {
+  if (!body->ranks) return u;
+  double *all = body->ranks->scratch;
+  memset(all, 0, body->ranks->reach * sizeof *all);
+  memcpy(all, u, (size_t)(body->d * body->nc) * sizeof *u);
+  return all;
+}
+
+void dlsi_body_give(const dlsi_body *body, dlsi_how how, double *all, double *u) {
+  if (!body->ranks) return;
+  body->ranks->give(body->ranks->data, how, all);
+  if (all != u) memcpy(u, all, (size_t)(body->d * body->nc) * sizeof *u);
 }
