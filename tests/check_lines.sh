@@ -11,7 +11,7 @@ while read -r room budget; do
 done <<END
 include 4922
 src/base 1312
-src/contact 3718
+src/contact 3729
 src/linear 4143
 src/geometry 1194
 lcp 3448

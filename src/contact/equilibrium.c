@@ -8,7 +8,8 @@
  *          most the norm of |K||x| + |f| of all bodies: reactions that cancel where nothing deforms
  *          measure nothing
  *   (EB3)  of a body held by joints, its own rows: the same with s = |f| + |H||r| + |G l|, but at
- *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints
+ *          least 1e-4 of the largest s of the bodies that joints connect to it. G l: of joints, at
+ *          most what |H||r| is; both are left out of that bound
  *   (EB4)  of the joints of these bodies   |G^T x - b| / s_l,   s_l = | |G|^T y + |b| |
  *          y_j = max(|x_j|, (|f| + |H||r| + |G l|)_j / K_jj): a displacement, or an indentation
  *   (EB5)  floor_e: eps |a| / s, in (EB3) with the largest |a| of these bodies; eps in (EB4)
@@ -62,32 +63,6 @@ static void forces_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* (EB1) */
-void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, const double *x,
-                     const dlsi_forces *of) {
-  const dls_sparse *Ht = &body->Ht;
-  if (body->multiply)
-    body->multiply(body->data, x, of->e, of->ae);
-  else
-    dlsi_body_multiply(body->model, x, of->e, of->ae);
-  for (int j = 0; j < body->n; j++) {
-    of->ae[j] += f ? fabs(f[j]) : 0;
-    of->Hr[j] = body->joint && body->joint[j] ? 0 : of->ae[j];
-  }
-  *of->most = dlsi_joined_norm(body->ranks, of->Hr, (size_t)body->n);
-  r = dlsi_body_fetch(body, r);
-  for (int j = 0; j < body->n; j++) {
-    double sum = 0, size = 0; /* reactions that cancel press all the same */
-    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
-      sum += Ht->x[k] * r[Ht->i[k]];
-      size += fabs(Ht->x[k] * r[Ht->i[k]]);
-    }
-    of->Hr[j] = size;
-    of->e[j] -= (f ? f[j] : 0) + sum;
-    of->ae[j] += size;
-  }
-}
-
 /* Calls for each entry K_ij of a row i and an unknown j, one of which is a multiplier. */
 typedef void (*couple_fn)(const dlsi_body *body, const double *x, const dlsi_forces *of, int i,
                           int j, double v);
@@ -101,6 +76,39 @@ static void forces_couple(const dlsi_body *body, const double *x, const dlsi_for
       couple(body, x, of, i, j, v);
       if (symmetric && i != j) couple(body, x, of, j, i, v);
     }
+  }
+}
+
+/* Hr -= |G||l|, 0 in rows of joints. */
+static void couple_none(const dlsi_body *body, const double *x, const dlsi_forces *of, int i, int j,
+                        double v) {
+  of->Hr[i] = body->joint[i] ? 0 : body->joint[j] ? of->Hr[i] - fabs(v * x[j]) : of->Hr[i];
+}
+
+/* (EB1) */
+void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, const double *x,
+                     const dlsi_forces *of) {
+  const dls_sparse *Ht = &body->Ht;
+  if (body->multiply)
+    body->multiply(body->data, x, of->e, of->ae);
+  else
+    dlsi_body_multiply(body->model, x, of->e, of->ae);
+  for (int j = 0; j < body->n; j++) {
+    of->ae[j] += f ? fabs(f[j]) : 0;
+    of->Hr[j] = of->ae[j];
+  }
+  if (body->joint) forces_couple(body, x, of, couple_none);
+  *of->most = dlsi_joined_norm(body->ranks, of->Hr, (size_t)body->n);
+  r = dlsi_body_fetch(body, r);
+  for (int j = 0; j < body->n; j++) {
+    double sum = 0, size = 0; /* reactions that cancel press all the same */
+    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
+      sum += Ht->x[k] * r[Ht->i[k]];
+      size += fabs(Ht->x[k] * r[Ht->i[k]]);
+    }
+    of->Hr[j] = size;
+    of->e[j] -= (f ? f[j] : 0) + sum;
+    of->ae[j] += size;
   }
 }
 
@@ -132,7 +140,9 @@ static void forces_of_joints(const dlsi_body *body, const double *f, const doubl
     const double stiffness = of->reach[j];
     of->reach[j] = fabs(x[j]);
     if (stiffness > 0)
-      forces_raise(&of->reach[j], (load + fabs(of->Hr[j]) + fabs(of->pull[j])) / stiffness);
+      forces_raise(&of->reach[j],
+                   (load + fmin(fabs(of->Hr[j]), *of->most) + fmin(fabs(of->pull[j]), *of->most)) /
+                       stiffness);
   }
   forces_couple(body, x, of, couple_lengths);
 }
@@ -172,7 +182,8 @@ static group forces_group(const dlsi_body *body, const dlsi_forces *of, size_t g
   double norm[kinds];
   for (size_t k = 0; k < kinds; k++)
     norm[k] = most[k] > 0 ? most[k] * sqrt(sum[k]) : most[k];
-  if (norm[3] > *of->most) norm[3] = *of->most;
+  for (int k = 3; k < kinds && (k == 3 || body->joint); k++)
+    if (norm[k] > *of->most) norm[k] = *of->most;
   if (body->joint)
     return (group){norm[0], norm[1], norm[2] + norm[3] + norm[4], norm[2] + norm[3] + norm[4]};
   const double load = norm[2] + norm[3], itself = body->balanced ? body->balanced[g] : 0;

@@ -214,7 +214,8 @@ START_TEST(penalties_hide_little) {
 }
 END_TEST
 
-/* A joint pulls with 1e16, which the loads balance: a reaction of 4 is rounding, and says so. */
+/* A joint pulls with 1e16, which the loads balance: a reaction of 4 is rounding, and says so. A
+ * reaction that balances it measures no load of 8. */
 START_TEST(joints_show_rounding) {
   const double K[9] = {1, 0, 0, 0, 1, 1e8, 0, 1e8, 0}, mu[] = {.25}, v[] = {1, 1};
   const double x[] = {0, 0, 1e8}, r[] = {4, 0}, f[] = {0, 1e16 - 4, 0};
@@ -237,8 +238,11 @@ START_TEST(joints_show_rounding) {
                           .pieces = dlsi_body_pieces(&S.model, joint, piece)};
   ck_assert_uint_le(dlsi_body_scratch(&body), 200);
   dlsi_body_measure(&body, f, NULL, mu, r, x, u, work, &c);
-  ck_assert(c.residual == 0 && c.floor_r > .1);
+  ck_assert(c.residual == 0 && c.floor_r > .1 && c.floor_e < 1e-15);
   ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
+  const double large[] = {1e16 - 8, 0}, small[] = {0, 8, 0};
+  dlsi_body_measure(&body, small, NULL, mu, large, x, u, work, &c);
+  ck_assert(c.residual == 0 && c.floor_e > .1);
 }
 END_TEST
 

@@ -225,6 +225,7 @@ void rest_generate(rest_kind of, uint64_t seed, rest *p) {
 typedef long double real;
 
 static const double balanced = 1e-6, of_rows = 1e-4, of_laws = 1e-5, rounding = 1e-14;
+static const double tol = 4e-8;   /* of the solver, over norms of a few entries */
 static const double unit = 0.125; /* of planted lengths; the least planted force */
 
 /* Rows of f + H r - K x and their sizes; size: of the body of a row, or of a joint. The loads of a
@@ -243,6 +244,7 @@ static rest_verdict judge_balance(const rest *p, const double *x, const double *
     const real outer = (real)p->f[i] - p->own[i];
     left[i] = p->f[i];
     load[i] = fabsl(outer);
+    if (p->body[i] >= 0 && outer != 0) alone[p->body[i]] = 0;
     for (int k = 0; k < 2 * p->nc; k++) {
       const real t = (real)p->H[i][k] * r[k];
       left[i] += t;
@@ -254,7 +256,6 @@ static rest_verdict judge_balance(const rest *p, const double *x, const double *
       inner[i] += fabsl(t);
       if (is_rigid(p->kind) && p->body[i] >= 0) load[i] += fabsl(t);
     }
-    if (p->body[i] >= 0 && load[i] > 0) alone[p->body[i]] = 0;
     if (p->body[i] >= 0 && !p->fixed[i]) size[p->body[i]] = fmaxl(size[p->body[i]], load[i]);
   }
   for (int i = 0; i < p->n; i++) {
@@ -279,22 +280,27 @@ static rest_verdict judge_balance(const rest *p, const double *x, const double *
         if (p->body[i] == b) sum += p->motion[k][i] * outer;
         if (p->body[i] == b) most += fabs(p->motion[k][i]) * load[i];
       }
-      if (!(fabsl(sum) <= balanced * fmaxl(most, unit) + rounding * p->n * size[b]))
-        return REST_MOTION;
+      const real share = alone[b] ? of_rows : tol; /* also of a motion that little pushes */
+      if (!(fabsl(sum) <= balanced * fmaxl(most, unit) + share * size[b])) return REST_MOTION;
     }
   return REST_RIGHT;
 }
 
 static rest_verdict judge_laws(const rest *p, const double *x, const double *r) {
-  real most = unit, far = unit;
+  real most = unit, far = unit, dent = 0, load = 0;
+  for (int i = 0; i < p->n; i++)
+    load = fmaxl(load, fabs(p->f[i]));
   for (int k = 0; k < 2 * p->nc; k++) {
     real size = fabs(p->g[k]);
-    for (int i = 0; i < p->n; i++)
+    for (int i = 0; i < p->n; i++) {
+      const real push = fabsl((real)p->H[i][k] * r[k]);
       size += fabsl((real)p->H[i][k] * x[i]);
+      if (p->K[i][i] > 0) dent = fmaxl(dent, fminl(push, load) / p->K[i][i]);
+    }
     most = fmaxl(most, fabs(r[k]));
     far = fmaxl(far, size);
   }
-  const real small_r = of_laws * most, small_u = of_laws * far;
+  const real small_r = of_laws * most, small_u = of_laws * far + tol * dent;
   for (int c = 0; c < p->nc; c++) {
     real u[2] = {p->g[2 * c], p->g[2 * c + 1]};
     const real rn = r[2 * c], rt = r[2 * c + 1], mu = p->mu[c];

@@ -64,7 +64,7 @@ typedef enum rest_verdict {
 } rest_verdict;
 
 /* Judges an answer in long double. Balances are over |f - own| + |H||r| of the body, positions over
- * |g| and |H|'|x|. */
+ * |g| and |H|'|x|, and to 4e-8 over indentations. */
 rest_verdict rest_judge(const rest *p, dls_status status, const double *x, const double *r);
 
 /* Solves `count` problems of each kind, or of one (which < REST_KINDS), on W or K as the library
