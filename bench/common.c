@@ -93,6 +93,31 @@ int bench_options(int argc, char *const *argv, const char *usage) {
   return 0;
 }
 
+const char *bench_word(int argc, char *const *argv, const char *option, const char *otherwise) {
+  for (int k = 1; k + 1 < argc; k++)
+    if (strcmp(argv[k], option) == 0) return argv[k + 1];
+  return otherwise;
+}
+
+double bench_number(int argc, char *const *argv, const char *option, double otherwise) {
+  const char *word = bench_word(argc, argv, option, NULL);
+  return word ? strtod(word, NULL) : otherwise;
+}
+
+int bench_list(int argc, char *const *argv, const char *option, int *x, int count, int most) {
+  const char *word = bench_word(argc, argv, option, NULL);
+  if (word) count = 0;
+  for (char *next; word && *word && count < most; word = next + (*next == ','))
+    x[count++] = (int)strtol(word, &next, 10);
+  return count;
+}
+
+int bench_has(int argc, char *const *argv, const char *option) {
+  for (int k = 1; k < argc; k++)
+    if (strcmp(argv[k], option) == 0) return 1;
+  return 0;
+}
+
 FILE *bench_open(const char *directory, const char *name) {
   char path[1024];
   snprintf(path, sizeof path, "%s/%s", directory, name);

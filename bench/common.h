@@ -36,6 +36,13 @@ int bench_child(void (*work)(void *data), void *data);
  * Returns 1; or 0 after the usage on stderr, and main returns 2. */
 int bench_options(int argc, char *const *argv, const char *usage);
 
+/* Return what follows an option, `otherwise` where it is not given: a word, a number, or a list of
+ * at most `most` numbers in x, which holds `count` at first. has: 1 if the option is there. */
+const char *bench_word(int argc, char *const *argv, const char *option, const char *otherwise);
+double bench_number(int argc, char *const *argv, const char *option, double otherwise);
+int bench_list(int argc, char *const *argv, const char *option, int *x, int count, int most);
+int bench_has(int argc, char *const *argv, const char *option);
+
 /* Opens DIRECTORY/NAME.md and writes its head: the title, the command (make bench-<program> with
  * the options in argv, --out apart, as BENCH) and the kind of machine. NULL after a message. */
 FILE *bench_page(const char *directory, const char *name, const char *title, int argc,

@@ -165,8 +165,7 @@ int main(int argc, char **argv) {
   static least_set set[sets] = {
       {.name = "tables"}, {.name = "arches"}, {.name = "walls"}, {.name = "FCLIB"}};
   if (!bench_options(argc, argv, "--out DIR [FCLIB...]")) return 2;
-  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 2;
+  const char *out = bench_word(argc, argv, "--out", NULL);
   for (int legs = 4; legs <= 32; legs++)
     judge_table(legs, &set[0]);
   for (int bodies = 6; bodies <= 60; bodies += 6)

@@ -81,8 +81,7 @@ int main(int argc, char **argv) {
                                 {.name = "FCLIB"},          {.name = "Jean's block"},
                                 {.name = "elastic blocks"}, {.name = "elastic cubes"}};
   if (!bench_options(argc, argv, "--out DIR [FCLIB [FILES...]]")) return 2;
-  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 2;
+  const char *out = bench_word(argc, argv, "--out", NULL);
   for (int k = 0; k < randoms; k++)
     if (scenes_random(k, 0, prove_scene, &set[0])) return 1;
   for (int k = 0; k < 36; k++)

@@ -221,57 +221,24 @@ static void run_kind(const plan *p, const char *kind, source of) {
     }
 }
 
-static int read_options(int argc, char **argv, plan *p, const char **out) {
+int main(int argc, char **argv) {
   if (!bench_options(argc, argv,
                      "[--kind KIND] [--sizes N,N..] [--tol TOL] [--seed SEED] [--seeds N] "
                      "[--mu MU] [--limit SECONDS] [--only METHOD] [--no-peer] [--bodies] "
                      "[--out DIR]"))
-    return -1;
-  for (int k = 1; k < argc; k++) {
-    const char *value = k + 1 < argc ? argv[k + 1] : "";
-    const int bodies = strcmp(argv[k], "--bodies") == 0;
-    if (bodies || strcmp(argv[k], "--no-peer") == 0) {
-      p->no_peer = 1;
-      p->bodies |= bodies;
-      continue;
-    }
-    if (strcmp(argv[k], "--kind") == 0)
-      p->kind = value;
-    else if (strcmp(argv[k], "--tol") == 0)
-      p->tol = strtod(value, NULL);
-    else if (strcmp(argv[k], "--seed") == 0)
-      p->seed = strtoul(value, NULL, 10);
-    else if (strcmp(argv[k], "--seeds") == 0)
-      p->seeds = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--mu") == 0)
-      p->mu = strtod(value, NULL);
-    else if (strcmp(argv[k], "--limit") == 0)
-      p->limit = strtod(value, NULL);
-    else if (strcmp(argv[k], "--out") == 0)
-      *out = value;
-    else if (strcmp(argv[k], "--only") == 0)
-      p->only = value;
-    else if (strcmp(argv[k], "--sizes") == 0) {
-      char *next = argv[k + 1];
-      for (p->size_count = 0; next && *next && p->size_count < most_sizes; next += *next == ',')
-        p->sizes[p->size_count++] = (int)strtol(next, &next, 10);
-    }
-    k++;
-  }
-  return 0;
-}
-
-int main(int argc, char **argv) {
-  plan p = {.kind = "",
+    return 2;
+  plan p = {.kind = bench_word(argc, argv, "--kind", ""),
+            .only = bench_word(argc, argv, "--only", NULL),
             .sizes = {300, 2500, 20000, 100000},
-            .size_count = 4,
-            .seeds = 1,
-            .seed = 2,
-            .tol = 1e-4,
-            .limit = 60,
-            .mu = 0.5};
-  const char *out = "build";
-  if (read_options(argc, argv, &p, &out)) return 2;
+            .seeds = (int)bench_number(argc, argv, "--seeds", 1),
+            .seed = (unsigned long)bench_number(argc, argv, "--seed", 2),
+            .tol = bench_number(argc, argv, "--tol", 1e-4),
+            .limit = bench_number(argc, argv, "--limit", 60),
+            .mu = bench_number(argc, argv, "--mu", 0.5),
+            .bodies = bench_has(argc, argv, "--bodies")};
+  p.no_peer = p.bodies || bench_has(argc, argv, "--no-peer");
+  p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 4, most_sizes);
+  const char *out = bench_word(argc, argv, "--out", "build");
   p.page = bench_page(out, "scale", "Rigid and elastic bodies: time against size", argc, argv);
   p.csv = p.page ? bench_open(out, "scale.csv") : NULL;
   if (!p.csv) return 1;

@@ -294,39 +294,6 @@ static void run_scene(void *data, const scene *s) {
 
 /* ---- program --------------------------------------------------------------------------------- */
 
-static int print_usage(void) {
-  fputs("usage: solvers [--full] [--patient] [--dir DIR] [--set fclib|block|cube|wall]\n"
-        "               [--method NAME] [--limit SECONDS] [--out DIR]\n",
-        stderr);
-  return 2;
-}
-
-/* Returns 1, or 0 for bad options. */
-static int parse_plan(int argc, char **argv, plan *p) {
-  for (int k = 1; k < argc; k++) {
-    if (!strcmp(argv[k], "--full") || !strcmp(argv[k], "--patient")) {
-      *(argv[k][2] == 'f' ? &p->full : &p->patient) = 1;
-      continue;
-    }
-    if (k + 1 == argc) return 0;
-    const char *option = argv[k], *value = argv[++k];
-    if (!strcmp(option, "--dir"))
-      p->files = value;
-    else if (!strcmp(option, "--set"))
-      p->set = value;
-    else if (!strcmp(option, "--method"))
-      p->method = value;
-    else if (!strcmp(option, "--limit"))
-      p->limit = strtod(value, NULL);
-    else if (!strcmp(option, "--out"))
-      p->directory = value;
-    else
-      return 0;
-  }
-  if (p->limit == 0) p->limit = p->patient ? 20 : 3;
-  return p->limit > 0;
-}
-
 static int runs(const plan *p, const char *set) {
   return !p->set || strcmp(p->set, set) == 0;
 }
@@ -338,9 +305,18 @@ static void one_thread(char **argv) {
 }
 
 int main(int argc, char **argv) {
-  plan p = {.files = "data/fclib", .directory = "bench/results"};
   one_thread(argv);
-  if (!parse_plan(argc, argv, &p)) return print_usage();
+  if (!bench_options(argc, argv,
+                     "[--full] [--patient] [--dir DIR] [--set SET] [--method NAME] "
+                     "[--limit SECONDS] [--out DIR]"))
+    return 2;
+  plan p = {.full = bench_has(argc, argv, "--full"),
+            .patient = bench_has(argc, argv, "--patient"),
+            .files = bench_word(argc, argv, "--dir", "data/fclib"),
+            .set = bench_word(argc, argv, "--set", NULL),
+            .method = bench_word(argc, argv, "--method", NULL),
+            .directory = bench_word(argc, argv, "--out", "bench/results")};
+  p.limit = bench_number(argc, argv, "--limit", p.patient ? 20 : 3);
   p.out = report_open(p.directory, argc, argv);
   if (!p.out) return 1;
   int status = 0;

@@ -1,7 +1,7 @@
 /*
  * steps.c: many problems one after the other: a batch of small ones, and the steps of a load path.
  *
- *   steps [--out DIR]
+ *   steps --out DIR
  *       steps.md: CPU of dls_solve_batch compared with a loop of dls_solve on boxes with four
  *       contacts; of a load path of 50 steps, smooth or with jumps, each from the answer of the
  *       last, compared with the same steps from zero; and of a punch with and without the contacts
@@ -329,20 +329,9 @@ static void print_parts(FILE *page) {
 }
 
 int main(int argc, char **argv) {
-  const char *out = "bench/results";
-  if ((argc == 5 || argc == 6) && strcmp(argv[1], "--path") == 0) {
-    const int d = atoi(argv[2]), side = atoi(argv[3]);
-    if (d < 2 || d > 3 || side < 2) return 2;
-    print_path(NULL, d, side, atoi(argv[4]), argc == 6 ? atof(argv[5]) : 0);
-    return 0;
-  }
-  if (argc == 3 && strcmp(argv[1], "--out") == 0)
-    out = argv[2];
-  else if (argc > 1) {
-    fprintf(stderr, "usage: steps [--out DIR] | --path D SIDE SEED [JUMP]\n");
-    return 2;
-  }
-  FILE *page = bench_page(out, "steps", "Many problems one after the other", argc, argv);
+  if (!bench_options(argc, argv, "--out DIR")) return 2;
+  FILE *page = bench_page(bench_word(argc, argv, "--out", NULL), "steps",
+                          "Many problems one after the other", argc, argv);
   if (!page) return 1;
   print_boxes(page);
   print_paths(page);
