@@ -23,7 +23,7 @@
  * 4.5: W is ill-conditioned, as the block rests on that node and on the contacts. Triangles
  * (src/fe) in 2D, 16 to 128 candidates; hexahedra with eight nodes in 3D, 6, 12 and 18 elements a
  * side (49 to 361 contacts), with --full also 24 (625). mu = 0.3 and 1 (18 a side: 0.3), with
- * --full 0.1 to 2. bench/auto has cubes of other ratios of Poisson, frictions drawn.
+ * --full 0.1 to 2. bench/regret has cubes of other ratios of Poisson, frictions drawn.
  *
  * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
  * of every other row; two contacts for each pair of faces that touch, 20 to 336 of them; mu is
