@@ -51,6 +51,25 @@ void *bench_shared(size_t bytes) {
   return p == MAP_FAILED ? NULL : p;
 }
 
+double bench_memory(const char *name) {
+  char line[256];
+  double bytes = NAN;
+  FILE *file = fopen("/proc/self/status", "r");
+  while (file && fgets(line, sizeof line, file))
+    if (strncmp(line, name, strlen(name)) == 0) bytes = 1024 * atof(line + strlen(name) + 1);
+  if (file) fclose(file);
+  return bytes;
+}
+
+double bench_watch_memory(void) {
+  FILE *file = fopen("/proc/self/clear_refs", "w");
+  if (file) {
+    fputs("5", file);
+    fclose(file);
+  }
+  return bench_memory("VmRSS");
+}
+
 int bench_child(void (*work)(void *data), void *data) {
   fflush(NULL);
   const pid_t child = fork();

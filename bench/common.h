@@ -27,6 +27,12 @@ double bench_median(size_t n, double *x);
 /* Returns zeroed memory that child processes share, or NULL; released by munmap or at exit. */
 void *bench_shared(size_t bytes);
 
+/* Returns a number of /proc/self/status in bytes, "VmRSS" say; NAN if it is not there. */
+double bench_memory(const char *name);
+
+/* Begins to watch for the peak, "VmHWM", from here on; returns what is in use. */
+double bench_watch_memory(void);
+
 /* Runs work(data) in a child process. Returns 0 if it came to its end, the number of the signal
  * that ended it, or -1 if it left by exit() or could not be started. */
 int bench_child(void (*work)(void *data), void *data);

@@ -138,7 +138,7 @@ int main(int argc, char **argv) {
   if (!bench_options(argc, argv, "--out DIR")) return 2;
   const char *out = bench_word(argc, argv, "--out", NULL);
   for (int k = 0; k < randoms; k++)
-    if (scenes_random(k, 50 + 450 * (k / 3) / 11, derive_scene, &set[0])) return 1;
+    if (scenes_random(k, 50 + 450 * (k / 3) / 11, 0, derive_scene, &set[0])) return 1;
   if (scenes_blocks(0, derive_scene, &set[1]) || scenes_cubes(0, derive_scene, &set[2])) return 1;
   FILE *page = bench_page(out, "derive", "Cost of derivatives", argc, argv);
   if (!page) return 1;

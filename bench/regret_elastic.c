@@ -242,8 +242,8 @@ static int make_robot(regret_problem *a, int n, int size, double mu, int hand, u
 
 /*
  * Two elastic bodies, the upper one pressed down on the lower one and along. Both are boxes of the
- * same grid, glued to rigid bodies on their outer faces; their nodes meet. With F the flexibility of
- * the upper box on its lower face, the lower box, its mirror image and E2 times as stiff, has
+ * same grid, glued to rigid bodies on their outer faces; their nodes meet. With F the flexibility
+ * of the upper box on its lower face, the lower box, its mirror image and E2 times as stiff, has
  * D F D / E2, D = -1 for normals and 1 for tangents, so that W = F + D F D / E2. Without reactions
  * the upper body moves as its rigid part does: q_n is the gap of two crowned and slightly rough
  * faces less the motion down, q_t the motion along. About half the contacts touch.

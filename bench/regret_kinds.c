@@ -128,6 +128,11 @@ uint64_t regret_state(uint64_t seed, uint64_t salt) {
   return z ^ z >> 31;
 }
 
+void regret_cross(const double *a, const double *b, double *c) {
+  for (int i = 0; i < 3; i++)
+    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
 int regret_assemble(regret_problem *a, int d, int nc, int bodies) {
   const int n = 3 * (d - 1);
   int count = 0;
