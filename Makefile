@@ -556,33 +556,23 @@ check-fuzz: $(BUILD)/tests/torment/fuzz
 RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
+# problems of the benchmarks, and the rule by which they count a solve
+bench_scenes = $(call obj,$(addprefix bench/,$(addsuffix .c,solvers_scenes solvers_call solvers_own reduction_boxes regret_kinds regret_bodies regret_grains regret_elastic regret_nets)) tests/shared/rigid.c)
+$(call obj,$(wildcard bench/*.c tests/shared/rigid.c tests/shared/solids.c)): CPP_OF += -Itests/shared
+$(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,hard) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call bench_obj,papers) $(call obj,$(addprefix tests/shared/,rigid.c solids.c)): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
-$(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 
-$(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(FILES) $(A)
-$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c messages.c)) $(FE) $(FILES) $(A)
-$(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(FILES) $(A)
-$(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/reduction_boxes.c tests/shared/rigid.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c regret_nets.c)) $(FE) $(FILES) $(A)
-$(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
-$(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $(A)
-$(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
-$(BUILD)/bench/global: $(call bench_obj,global) $(A)
+# what a benchmark links besides its own files and the scenes
+bench_of = $(sort $(if $(filter problems,$(1)),$(call obj,bench/problems.c bench/common.c),$(call bench_obj,$(1))) $(bench_scenes)) $(2) $(FE) $(FILES) $(A)
+$(BUILD)/bench/solvers: $(call bench_of,solvers,$(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c messages.c)))
+$(BUILD)/bench/scale $(BUILD)/bench/regret: $(call obj,bench/solvers_peer.c)
+$(BUILD)/bench/auto: $(call bench_of,auto,$(FUZZ_CLI))
+$(BUILD)/bench/papers: $(call bench_of,papers,$(call obj,bench/lemke_problems.c))
+$(BUILD)/bench/report: $(call bench_of,report,$(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))))
+$(foreach b,$(filter-out auto papers report solvers,$(BENCHES) $(PEER_BENCHES)),$(eval $(BUILD)/bench/$(b): $(call bench_of,$(b))))
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c regret_nets.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c) $(FUZZ_CLI) $(FE) $(FILES) $(A)
-$(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
-$(BUILD)/bench/dynamics: $(call bench_obj,dynamics) $(A)
-$(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/least: $(call bench_obj,least) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/hard: $(call bench_obj,hard) $(call obj,$(addprefix bench/,solvers_scenes.c regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c regret_nets.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/papers: $(call bench_obj,papers) $(call obj,bench/lemke_problems.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/derive: $(call bench_obj,derive) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
-$(BUILD)/bench/report: $(call bench_obj,report) $(call obj,$(filter-out src/cli/main.c,$(CLI_SRC))) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack -ldmumps_seq
 $(BUILD)/bench/%:

@@ -5,17 +5,11 @@
  *       auto.md: for each problem and tolerance the CPU of the solve, ms, "-" for not solved, and
  *       the stages of auto; for each method how often it solved, and its CPU over that of the
  *       fastest other method
- *   auto --unique NAME...
- *       on the screen: CPU of a solve without and with info, us. The difference is the search for
- *       other answers, info.unique and info.ambiguous
  *   auto [--out DIR] --price [SEED]
  *       price.md: the cost of a step of each method in sweeps, measured and assumed by auto
  *       (auto_price.c); fails if they differ by more than a factor of 2
  *   auto --total [SEED]
  *       on the screen: what auto solves of generated problems, and its cost (auto_total.c)
- *   auto --nu NU SEED
- *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with this ratio of Poisson and
- *       frictions drawn from 0.3 to 4; that of auto over the best of the others
  *
  * NAME is one of
  *   FILE       an FCLIB file
@@ -31,7 +25,7 @@
 #include "auto_price.h"
 #include "cli/matrices.h"
 #include "common.h"
-#include "solvers_scenes.h"
+#include "regret_kinds.h"
 
 enum { methods = 6, auto_at = 5, tolerances = 3, most_files = 100, most_sweeps = 20000 };
 
@@ -42,28 +36,6 @@ static const dls_method method_of[methods] = {
     DLS_NLGS, DLS_NLGS, DLS_NEWTON, DLS_ADMM, DLS_AUGMENTED_LAGRANGIAN, DLS_AUTO};
 
 /* ---- problems -------------------------------------------------------------------------------- */
-
-/* Computes one block of Boussinesq's and Cerruti's half-space, G = 1, nu = 0.3: displacement at
- * distance (x, y), the mean over a square of side a for x = y = 0. B: 3 x 3, columns by a normal
- * and two tangential forces. */
-static void half_space(double x, double y, double a, double *B) {
-  const double nu = 0.3, k = 1 / (2 * 3.14159265358979), c = k * (1 - 2 * nu) / 2, r = hypot(x, y);
-  for (int i = 0; i < 9; i++)
-    B[i] = 0;
-  if (r == 0) {
-    B[0] = k * 3.5255 / a * (1 - nu);
-    B[4] = B[8] = k * 3.5255 / a * (1 - nu / 2);
-    return;
-  }
-  B[0] = k * (1 - nu) / r;
-  B[4] = k * ((1 - nu) / r + nu * x * x / (r * r * r));
-  B[8] = k * ((1 - nu) / r + nu * y * y / (r * r * r));
-  B[5] = B[7] = k * nu * x * y / (r * r * r);
-  B[1] = -c * x / (r * r);
-  B[2] = -c * y / (r * r);
-  B[3] = -B[1];
-  B[6] = -B[2];
-}
 
 /* Allocates W, q, mu in one piece; exits without memory, as a bench may. */
 static dls_contact dense_problem(int d, int nc) {
@@ -80,7 +52,7 @@ static dls_contact stamp(int n) {
   for (int j = 0; j < p.nc; j++)
     for (int i = 0; i < p.nc; i++) {
       double B[9];
-      half_space((double)(i % n - j % n) / n, (double)(i / n - j / n) / n, 1. / n, B);
+      regret_half_space((double)(i % n - j % n) / n, (double)(i / n - j / n) / n, 1. / n, B);
       for (int k = 0; k < 9; k++)
         W[(size_t)(3 * i + k % 3) + (size_t)p.W.ld * (size_t)(3 * j + k / 3)] = B[k];
     }
@@ -289,81 +261,11 @@ static int run_total(const char *number) {
   return EXIT_SOLVED;
 }
 
-/* ---- the look for other answers -------------------------------------------------------------- */
-
-static int run_unique(int count, char **name) {
-  double ratio[most_files], small[most_files];
-  size_t ratios = 0, smalls = 0;
-  puts("| problem | candidates | without us | with us | ratio |\n|---|---|---|---|---|");
-  for (int f = 0; f < count && f < most_files; f++) {
-    problem p;
-    dls_solver_settings s;
-    dls_solver *solver;
-    dls_info info;
-    double least[2] = {INFINITY, INFINITY}, total = 0;
-    if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
-    const dls_contact *c = &p.contact;
-    double *r = malloc((size_t)c->d * (size_t)c->nc * sizeof *r);
-    dls_solver_settings_init(&s);
-    s.limits.blocks = c->Wb.x ? c->Wb.p[c->nc] : 0;
-    if (!r || dls_solver_create(&solver, c->d, c->nc, &s, NULL)) exit(1);
-    for (int round = 0; round < 2000 && (round < 5 || total < 0.3); round++)
-      for (int with = 0; with < 2; with++) {
-        const double start = bench_seconds();
-        if (dls_solver_solve(solver, c, r, NULL, with ? &info : NULL, NULL) < 0) exit(1);
-        const double seconds = bench_seconds() - start;
-        total += seconds;
-        least[with] = fmin(least[with], seconds);
-      }
-    ratio[ratios++] = least[1] / least[0];
-    if (c->nc <= 20) small[smalls++] = least[1] / least[0];
-    printf("| %s | %d | %.3g | %.3g | %.3f |\n", short_name(name[f]), c->nc, 1e6 * least[0],
-           1e6 * least[1], least[1] / least[0]);
-    dls_solver_destroy(solver);
-    free(r);
-    drop_problem(&p);
-  }
-  printf("\n%zu problems: median %.3f; %zu of up to 20 candidates: median %.3f\n", ratios,
-         bench_median(ratios, ratio), smalls, bench_median(smalls, small));
-  return EXIT_SOLVED;
-}
-
-/* ---- nearly incompressible bodies ------------------------------------------------------------ */
-
-typedef struct cubes {
-  int count;
-  result all[most_files][methods];
-} cubes;
-
-static void compare_cube(void *data, const scene *s) {
-  cubes *c = data;
-  result *all = c->all[c->count++];
-  compare_methods(&s->contact, 1e-8, all);
-  print_row(NULL, s->name, &s->contact, 1e-8, all);
-}
-
-static int run_cubes(const char *ratio, const char *number) {
-  static cubes c;
-  double nu;
-  unsigned seed;
-  char rest;
-  if (sscanf(ratio, "%lf%c", &nu, &rest) != 1 || !(nu > -1 && nu < .5))
-    return complain("--nu: NU is not a number between -1 and 0.5");
-  if (sscanf(number, "%u%c", &seed, &rest) != 1) return complain("--nu: SEED is not a number");
-  print_head(NULL);
-  if (scenes_cubes_of(nu, seed, compare_cube, &c)) return EXIT_BAD_INPUT;
-  print_summary_head(NULL);
-  print_summary(NULL, 1e-8, c.count, c.all);
-  return EXIT_SOLVED;
-}
-
 int main(int argc, char **argv) {
   const char *directory = "bench/results";
   int first = 1;
   if (argc > 1 && argc < 4 && !strcmp(argv[1], "--total"))
     return run_total(argc > 2 ? argv[2] : NULL);
-  if (argc == 4 && !strcmp(argv[1], "--nu")) return run_cubes(argv[2], argv[3]);
-  if (argc > 2 && !strcmp(argv[1], "--unique")) return run_unique(argc - 2, argv + 2);
   if (argc > 2 && !strcmp(argv[1], "--out")) {
     directory = argv[2];
     first = 3;
@@ -374,7 +276,7 @@ int main(int argc, char **argv) {
     bad |= argv[k][0] == '-';
   if (bad)
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
-                    "--unique NAME... | --total [SEED] | --nu NU SEED");
+                    "--total [SEED]");
   if (!price && !can_read(count, argv + first)) return EXIT_BAD_INPUT; /* the page stays */
   FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)
                      : bench_page(directory, "auto", "auto against the single methods", argc, argv);

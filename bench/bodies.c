@@ -283,34 +283,6 @@ static void draw(const plan *p, const char *name, const dls_contact *problem, do
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-static int read_options(int argc, char **argv, plan *p, const char **out) {
-  if (!bench_options(argc, argv,
-                     "[--kind KIND] [--sizes N,N..] [--seed SEED] [--dense N] [--sweeps N] "
-                     "[--rounds N] [--socket GFLOPS] [--out DIR]"))
-    return -1;
-  for (int k = 1; k + 1 < argc; k += 2) {
-    char *value = argv[k + 1];
-    if (strcmp(argv[k], "--kind") == 0)
-      p->kind = value;
-    else if (strcmp(argv[k], "--seed") == 0)
-      p->seed = strtoul(value, NULL, 10);
-    else if (strcmp(argv[k], "--dense") == 0)
-      p->dense = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--sweeps") == 0)
-      p->sweeps = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--rounds") == 0)
-      p->rounds = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--socket") == 0)
-      p->socket = strtod(value, NULL);
-    else if (strcmp(argv[k], "--out") == 0)
-      *out = value;
-    else if (strcmp(argv[k], "--sizes") == 0)
-      for (p->size_count = 0; *value && p->size_count < most_sizes; value += *value == ',')
-        p->sizes[p->size_count++] = (int)strtol(value, &value, 10);
-  }
-  return p->sweeps > 0 && p->rounds > 0 ? 0 : -1;
-}
-
 /* The cell that is the same in all tables of a size. */
 static void run_sizes(plan *p, rigid *a) {
   bench_print(p->page,
@@ -365,17 +337,21 @@ static void run_sizes(plan *p, rigid *a) {
 }
 
 int main(int argc, char **argv) {
-  plan p = {.kind = "packing-flow",
+  if (!bench_options(argc, argv,
+                     "[--kind KIND] [--sizes N,N..] [--seed SEED] [--dense N] [--sweeps N] "
+                     "[--rounds N] [--socket GFLOPS] [--out DIR]"))
+    return 2;
+  plan p = {.kind = bench_word(argc, argv, "--kind", "packing-flow"),
             .sizes = {5000, 20000, 90000},
-            .size_count = 3,
-            .seed = 2,
-            .dense = 6000,
-            .sweeps = 50,
-            .rounds = 3,
-            .socket = 200};
-  const char *out = "build";
+            .seed = (unsigned long)bench_number(argc, argv, "--seed", 2),
+            .dense = (int)bench_number(argc, argv, "--dense", 6000),
+            .sweeps = (int)bench_number(argc, argv, "--sweeps", 50),
+            .rounds = (int)bench_number(argc, argv, "--rounds", 3),
+            .socket = bench_number(argc, argv, "--socket", 200)};
+  const char *out = bench_word(argc, argv, "--out", "build");
   rigid a[most_sizes];
-  if (read_options(argc, argv, &p, &out)) return 2;
+  p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 3, most_sizes);
+  if (p.sweeps < 1 || p.rounds < 1) return 2;
   p.page = bench_page(out, "bodies", "Rigid bodies in factored form, and two threads", argc, argv);
   p.csv = p.page ? bench_open(out, "bodies.csv") : NULL;
   if (!p.csv) return 1;

@@ -51,6 +51,25 @@ void *bench_shared(size_t bytes) {
   return p == MAP_FAILED ? NULL : p;
 }
 
+double bench_memory(const char *name) {
+  char line[256];
+  double bytes = NAN;
+  FILE *file = fopen("/proc/self/status", "r");
+  while (file && fgets(line, sizeof line, file))
+    if (strncmp(line, name, strlen(name)) == 0) bytes = 1024 * atof(line + strlen(name) + 1);
+  if (file) fclose(file);
+  return bytes;
+}
+
+double bench_watch_memory(void) {
+  FILE *file = fopen("/proc/self/clear_refs", "w");
+  if (file) {
+    fputs("5", file);
+    fclose(file);
+  }
+  return bench_memory("VmRSS");
+}
+
 int bench_child(void (*work)(void *data), void *data) {
   fflush(NULL);
   const pid_t child = fork();
@@ -90,6 +109,31 @@ int bench_options(int argc, char *const *argv, const char *usage) {
   }
   if (good && !missing) return 1;
   fprintf(stderr, "usage: %s %s\n", argv[0], usage);
+  return 0;
+}
+
+const char *bench_word(int argc, char *const *argv, const char *option, const char *otherwise) {
+  for (int k = 1; k + 1 < argc; k++)
+    if (strcmp(argv[k], option) == 0) return argv[k + 1];
+  return otherwise;
+}
+
+double bench_number(int argc, char *const *argv, const char *option, double otherwise) {
+  const char *word = bench_word(argc, argv, option, NULL);
+  return word ? strtod(word, NULL) : otherwise;
+}
+
+int bench_list(int argc, char *const *argv, const char *option, int *x, int count, int most) {
+  const char *word = bench_word(argc, argv, option, NULL);
+  if (word) count = 0;
+  for (char *next; word && *word && count < most; word = next + (*next == ','))
+    x[count++] = (int)strtol(word, &next, 10);
+  return count;
+}
+
+int bench_has(int argc, char *const *argv, const char *option) {
+  for (int k = 1; k < argc; k++)
+    if (strcmp(argv[k], option) == 0) return 1;
   return 0;
 }
 

@@ -27,6 +27,12 @@ double bench_median(size_t n, double *x);
 /* Returns zeroed memory that child processes share, or NULL; released by munmap or at exit. */
 void *bench_shared(size_t bytes);
 
+/* Returns a number of /proc/self/status in bytes, "VmRSS" say; NAN if it is not there. */
+double bench_memory(const char *name);
+
+/* Begins to watch for the peak, "VmHWM", from here on; returns what is in use. */
+double bench_watch_memory(void);
+
 /* Runs work(data) in a child process. Returns 0 if it came to its end, the number of the signal
  * that ended it, or -1 if it left by exit() or could not be started. */
 int bench_child(void (*work)(void *data), void *data);
@@ -35,6 +41,13 @@ int bench_child(void (*work)(void *data), void *data);
  * in capitals for a value. An option that begins the usage must be given; "..." allows other words.
  * Returns 1; or 0 after the usage on stderr, and main returns 2. */
 int bench_options(int argc, char *const *argv, const char *usage);
+
+/* Return what follows an option, `otherwise` where it is not given: a word, a number, or a list of
+ * at most `most` numbers in x, which holds `count` at first. has: 1 if the option is there. */
+const char *bench_word(int argc, char *const *argv, const char *option, const char *otherwise);
+double bench_number(int argc, char *const *argv, const char *option, double otherwise);
+int bench_list(int argc, char *const *argv, const char *option, int *x, int count, int most);
+int bench_has(int argc, char *const *argv, const char *option);
 
 /* Opens DIRECTORY/NAME.md and writes its head: the title, the command (make bench-<program> with
  * the options in argv, --out apart, as BENCH) and the kind of machine. NULL after a message. */

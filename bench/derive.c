@@ -136,10 +136,9 @@ int main(int argc, char **argv) {
   static derive_set set[sets + 1] = {
       {.name = "random"}, {.name = "elastic blocks"}, {.name = "elastic cubes"}, {.name = "all"}};
   if (!bench_options(argc, argv, "--out DIR")) return 2;
-  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 2;
+  const char *out = bench_word(argc, argv, "--out", NULL);
   for (int k = 0; k < randoms; k++)
-    if (scenes_random(k, 50 + 450 * (k / 3) / 11, derive_scene, &set[0])) return 1;
+    if (scenes_random(k, 50 + 450 * (k / 3) / 11, 0, derive_scene, &set[0])) return 1;
   if (scenes_blocks(0, derive_scene, &set[1]) || scenes_cubes(0, derive_scene, &set[2])) return 1;
   FILE *page = bench_page(out, "derive", "Cost of derivatives", argc, argv);
   if (!page) return 1;

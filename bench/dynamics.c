@@ -127,49 +127,23 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
   column_free(&a);
 }
 
-static int dynamics_read(int argc, char **argv, plan *p, const char **out) {
-  if (!bench_options(argc, argv,
-                     "[--kind KIND] [--sizes N,N..] [--large] [--tol TOL] [--limit SECONDS] "
-                     "[--steps N] [--out DIR]"))
-    return -1;
-  for (int k = 1; k < argc; k++) {
-    const char *value = k + 1 < argc ? argv[k + 1] : "";
-    if (strcmp(argv[k], "--large") == 0) {
-      p->sizes[p->size_count++] = 20000;
-      continue;
-    }
-    if (strcmp(argv[k], "--kind") == 0)
-      p->kind = value;
-    else if (strcmp(argv[k], "--tol") == 0)
-      p->tol = strtod(value, NULL);
-    else if (strcmp(argv[k], "--limit") == 0)
-      p->limit = strtod(value, NULL);
-    else if (strcmp(argv[k], "--steps") == 0)
-      p->steps = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--out") == 0)
-      *out = value;
-    else if (strcmp(argv[k], "--sizes") == 0) {
-      char *next = argv[k + 1];
-      for (p->size_count = 0; next && *next && p->size_count < most_sizes - 1; next += *next == ',')
-        p->sizes[p->size_count++] = (int)strtol(next, &next, 10);
-    }
-    k++;
-  }
-  return p->steps < 1 || p->steps > most_steps;
-}
-
 int main(int argc, char **argv) {
   enum { rows = 2 * most_sizes, room = 200 };
   static char summary[rows][room];
-  plan p = {.kind = "",
+  if (!bench_options(argc, argv,
+                     "[--kind KIND] [--sizes N,N..] [--large] [--tol TOL] [--limit SECONDS] "
+                     "[--steps N] [--out DIR]"))
+    return 2;
+  plan p = {.kind = bench_word(argc, argv, "--kind", ""),
             .sizes = {500, 1000, 5000},
-            .size_count = 3,
-            .steps = 50,
-            .tol = 1e-4,
-            .limit = 10};
-  const char *out = "build";
+            .steps = (int)bench_number(argc, argv, "--steps", 50),
+            .tol = bench_number(argc, argv, "--tol", 1e-4),
+            .limit = bench_number(argc, argv, "--limit", 10)};
+  const char *out = bench_word(argc, argv, "--out", "build");
   int count = 0;
-  if (dynamics_read(argc, argv, &p, &out)) return 2;
+  p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 3, most_sizes - 1);
+  if (bench_has(argc, argv, "--large")) p.sizes[p.size_count++] = 20000;
+  if (p.steps < 1 || p.steps > most_steps) return 2;
   p.page = bench_page(out, "dynamics", "Columns of spheres that collapse", argc, argv);
   if (!p.page) return 1;
   bench_print(p.page,

@@ -366,17 +366,9 @@ static int one_scene(int argc, char **argv) {
                    atoi(argv[4]), atoi(argv[5]));
   static const char *const way_name[] = {"K", "W", "peer", "either"};
   int failed = 0;
-  for (int k = 6; k < argc; k += 2) {
-    const char *value = k + 1 < argc ? argv[k + 1] : NULL;
-    if (value && !strcmp(argv[k], "--mu"))
-      t.mu = atof(value);
-    else if (value && !strcmp(argv[k], "--tol"))
-      t.tol = atof(value);
-    else if (value && !strcmp(argv[k], "--seed"))
-      t.S.seed = atoi(value);
-    else
-      return fprintf(stderr, "global: option %s is unknown or has no value\n", argv[k]), 2;
-  }
+  t.mu = bench_number(argc, argv, "--mu", t.mu);
+  t.tol = bench_number(argc, argv, "--tol", t.tol);
+  t.S.seed = (int)bench_number(argc, argv, "--seed", t.S.seed);
   for (way w = ON_K; w < WAYS; w++) {
     if (w != ON_K && w != EITHER && t.S.support == FREE) continue;
     const result r = run_way(w, &t.S, t.mu, t.tol, 1, most_bytes);
@@ -392,7 +384,6 @@ static int one_scene(int argc, char **argv) {
 int main(int argc, char **argv) {
   static const char *const table[] = {"peer",     "growth", "tolerance", "robust",
                                       "foreseen", "choice", "where"};
-  const char *directory = "bench/results";
   int wanted = 0;
   if (argc > 7 && !strcmp(argv[1], "--scene")) return one_scene(argc - 2, argv + 2);
   if (!bench_options(argc, argv, "[--table NAME] [--out DIR]"))
@@ -401,10 +392,8 @@ int main(int argc, char **argv) {
                  stderr),
            2;
   for (int k = 1; k + 1 < argc; k += 2)
-    if (!strcmp(argv[k], "--table"))
-      wanted |= 1 << named(table, TABLES, argv[k + 1]);
-    else if (!strcmp(argv[k], "--out"))
-      directory = argv[k + 1];
+    if (!strcmp(argv[k], "--table")) wanted |= 1 << named(table, TABLES, argv[k + 1]);
+  const char *directory = bench_word(argc, argv, "--out", "bench/results");
   if (!wanted) wanted = (1 << TABLES) - 1;
   FILE *page = bench_page(directory, "global", "The contact problem on K against W", argc, argv);
   FILE *csv = wanted >> WHERE & 1 ? bench_open(directory, "global.csv") : NULL;

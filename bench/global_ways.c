@@ -18,29 +18,6 @@ typedef struct trial {
   result *out;
 } trial;
 
-/* ---- memory of this process ------------------------------------------------------------------ */
-
-/* Returns a number of /proc/self/status in bytes, NAN if it is not there. */
-static double status_bytes(const char *name) {
-  char line[256];
-  double bytes = NAN;
-  FILE *file = fopen("/proc/self/status", "r");
-  while (file && fgets(line, sizeof line, file))
-    if (strncmp(line, name, strlen(name)) == 0) bytes = 1024 * atof(line + strlen(name) + 1);
-  if (file) fclose(file);
-  return bytes;
-}
-
-/* Begins to watch for the peak from here on; returns what is in use. */
-static double memory_begin(void) {
-  FILE *file = fopen("/proc/self/clear_refs", "w");
-  if (file) {
-    fputs("5", file);
-    fclose(file);
-  }
-  return status_bytes("VmRSS");
-}
-
 /* ---- ways ------------------------------------------------------------------------------------ */
 
 static void take_K(const scene *S, const double *mu, double tol, double *r, double *x,
@@ -49,7 +26,7 @@ static void take_K(const scene *S, const double *mu, double tol, double *r, doub
   dls_info info;
   dls_error e = {0};
   const dls_limits limits = {.tol = tol};
-  const double held = memory_begin(), start = bench_seconds();
+  const double held = bench_watch_memory(), start = bench_seconds();
   if (dls_global_create(&G, &S->model, &e)) {
     fprintf(stderr, "%s\n", e.message);
     return;
@@ -57,7 +34,7 @@ static void take_K(const scene *S, const double *mu, double tol, double *r, doub
   out->create = bench_seconds() - start;
   out->status = dls_global_solve(G, S->f, S->g, mu, &limits, r, x, &info, &e);
   out->cpu = bench_seconds() - start;
-  out->bytes = status_bytes("VmHWM") - held;
+  out->bytes = bench_memory("VmHWM") - held;
   if (out->status < 0) fprintf(stderr, "%s\n", e.message);
   out->failed = out->status < 0 || dls_global_get_info(G, &out->foreseen, NULL);
   out->iterations = info.iterations;
@@ -87,7 +64,7 @@ static void take_W(const scene *S, const double *mu, double tol, double most_byt
   if (dls_reduction_estimate(&S->model, NULL, &foreseen, NULL)) return;
   out->foreseen_W = foreseen.bytes;
   if (foreseen.bytes > most_bytes) return;
-  const double held = memory_begin(), start = bench_seconds();
+  const double held = bench_watch_memory(), start = bench_seconds();
   dls_status status = bench_reduce(&R, &S->model, &e);
   out->create = bench_seconds() - start;
   if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
@@ -96,7 +73,7 @@ static void take_W(const scene *S, const double *mu, double tol, double most_byt
   out->status = status;
   if (status >= 0) status = dls_reduction_recover(R, r, x, &e);
   out->cpu = bench_seconds() - start;
-  out->bytes = status_bytes("VmHWM") - held;
+  out->bytes = bench_memory("VmHWM") - held;
   if (!status) status = dls_reduction_certify(R, mu, r, x, NULL, &certificate, &e);
   if (status < 0) fprintf(stderr, "%s\n", e.message);
   out->failed = status < 0;
@@ -115,13 +92,13 @@ static void take_either(const scene *S, const double *mu, double tol, double *r,
   dls_error e = {0};
   dls_solver_settings_init(&settings);
   settings.limits.tol = tol;
-  const double held = memory_begin(), start = bench_seconds();
+  const double held = bench_watch_memory(), start = bench_seconds();
   dls_status status = dls_reduction_create(&R, &S->model, NULL, &e);
   out->create = bench_seconds() - start;
   if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
   if (!status) status = dls_reduction_solve(R, mu, &settings, r, NULL, x, &info, &e);
   out->cpu = bench_seconds() - start;
-  out->bytes = status_bytes("VmHWM") - held;
+  out->bytes = bench_memory("VmHWM") - held;
   out->status = status;
   if (status >= 0 && dls_reduction_get_info(R, &facts, &e)) status = DLS_E_ARGUMENT;
   if (status < 0) fprintf(stderr, "%s\n", e.message);
@@ -135,10 +112,10 @@ static void take_either(const scene *S, const double *mu, double tol, double *r,
 }
 
 static void take_peer(const scene *S, double mu, double tol, double *r, double *x, result *out) {
-  const double held = memory_begin(), start = bench_seconds();
+  const double held = bench_watch_memory(), start = bench_seconds();
   const int answer = peer_solve(S, mu, tol, r, x, &out->iterations);
   out->cpu = bench_seconds() - start;
-  out->bytes = status_bytes("VmHWM") - held;
+  out->bytes = bench_memory("VmHWM") - held;
   out->failed = answer < 0;
   out->factorisations = 2;
   out->status = answer ? DLS_MAX_ITERATIONS : DLS_OK;

@@ -1,6 +1,6 @@
 /*
  * hard.c: where methods fail: hard contact problems in 3D by conditioning, friction, size and
- * degeneracy (hard_problems.c), each method with the reason of its end (hard_solve.c).
+ * degeneracy (regret_elastic.c), each method with the reason of its end (hard_solve.c).
  *
  *   hard --part K --out DIR    adds the runs of a part to DIR/hard.csv; 0: begins the file anew
  *   hard --page --out DIR      writes DIR/hard.md of these runs
@@ -41,8 +41,22 @@ static int is_for_large(const char *method) {
          strcmp(method, "newton") == 0 || strcmp(method, "admm") == 0;
 }
 
+const char *hard_flaw_name(planted_flaw flaw) {
+  static const char *const name[FLAWS] = {"none", "rank", "border", "bonded"};
+  return name[flaw];
+}
+
+int hard_create(regret_problem *p, int nc, double condition, double mu, planted_flaw flaw,
+                uint64_t seed) {
+  uint64_t state = regret_state(seed, 77 + (uint64_t)flaw);
+  *p = (regret_problem){0};
+  if (!regret_planted(p, 3, nc, condition, mu, flaw, &state)) return 0;
+  regret_free(p);
+  return -1;
+}
+
 static int run_problem(FILE *csv, const hard_row *what) {
-  hard_problem p;
+  regret_problem p;
   if (hard_create(&p, what->nc, what->condition, what->mu, what->flaw, (uint64_t)what->seed))
     return 1;
   for (int k = 0; hard_method_name(k); k++) {
@@ -53,7 +67,7 @@ static int run_problem(FILE *csv, const hard_row *what) {
             what->mu, what->seed, k, (int)end, cpu, what->limit);
   }
   fflush(csv);
-  hard_free(&p);
+  regret_free(&p);
   return 0;
 }
 
@@ -71,7 +85,7 @@ static int run_part(int part, const char *out) {
     for (int i = 0; i < 5; i += parts[part].step)
       for (int j = 0; j < 5; j += parts[part].step)
         for (int s = 2; s <= 2 * parts[part].seeds && !bad; s += 2) {
-          const hard_row what = {.flaw = (hard_flaw)f,
+          const hard_row what = {.flaw = (planted_flaw)f,
                                  .nc = parts[part].nc,
                                  .condition = conditions[i],
                                  .mu = frictions[j],
@@ -93,7 +107,7 @@ static int write_page(const char *out, int argc, char **argv) {
     hard_row *r = &row[count];
     count += sscanf(line, "%d,%d,%lf,%lf,%d,%d,%d,%lf,%lf", &flaw, &r->nc, &r->condition, &r->mu,
                     &r->seed, &r->method, &end, &r->cpu, &r->limit) == 9;
-    r->flaw = (hard_flaw)flaw;
+    r->flaw = (planted_flaw)flaw;
     r->end = (hard_end)end;
   }
   if (!csv || !count) {
@@ -116,25 +130,25 @@ static int write_page(const char *out, int argc, char **argv) {
 
 static int run_one(char **argument, double seconds) {
   int flaw = 0;
-  while (flaw < HARD_FLAWS && strcmp(argument[0], hard_flaw_name((hard_flaw)flaw)) != 0)
+  while (flaw < FLAWS && strcmp(argument[0], hard_flaw_name((planted_flaw)flaw)) != 0)
     flaw++;
-  hard_problem p;
-  if (flaw == HARD_FLAWS || hard_create(&p, atoi(argument[1]), atof(argument[2]), atof(argument[3]),
-                                        (hard_flaw)flaw, strtoull(argument[4], NULL, 10)))
+  regret_problem p;
+  if (flaw == FLAWS || hard_create(&p, atoi(argument[1]), atof(argument[2]), atof(argument[3]),
+                                   (planted_flaw)flaw, strtoull(argument[4], NULL, 10)))
     return 1;
   for (int k = 0; hard_method_name(k); k++) {
     double cpu = 0;
     const hard_end end = hard_run(&p, k, seconds, &cpu);
     printf("%-22s %-12s %.3g s\n", hard_method_name(k), hard_end_name(end), cpu);
   }
-  hard_free(&p);
+  regret_free(&p);
   return 0;
 }
 
 /* Writes a problem as DIRECTORY/hard-FLAW-CONTACTS-CONDITION-muFRICTION.hdf5. */
 static int save_problem(const char *directory, const hard_row *what) {
   char name[96], path[1024];
-  hard_problem p;
+  regret_problem p;
   dls_error error = {0};
   if (hard_create(&p, what->nc, what->condition, what->mu, what->flaw, (uint64_t)what->seed))
     return 1;
@@ -143,7 +157,7 @@ static int save_problem(const char *directory, const hard_row *what) {
   (void)snprintf(path, sizeof path, "%s/%s.hdf5", directory, name);
   const int bad = dls_fclib_write_local(path, &p.contact, name, NULL, NULL, &error) < 0;
   if (bad) fprintf(stderr, "%s: %s\n", path, error.message);
-  hard_free(&p);
+  regret_free(&p);
   return bad;
 }
 
@@ -154,7 +168,7 @@ static int save_problems(const char *directory, int seed) {
   for (int n = 0; n < 2; n++)
     for (int i = 0; i < 5; i++)
       for (int j = 0; j < 3 && !bad; j++) {
-        const hard_row what = {.flaw = (hard_flaw)((n + i + j) % HARD_BONDED),
+        const hard_row what = {.flaw = (planted_flaw)((n + i + j) % FLAW_BONDED),
                                .nc = sizes[n],
                                .condition = conditions[i],
                                .mu = frictions[friction[j]],

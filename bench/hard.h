@@ -8,24 +8,16 @@
 #include <stdio.h>
 
 #include "delassus.h"
+#include "regret_kinds.h"
 
-/* ---- problems (hard_problems.c) -------------------------------------------------------------- */
-
-typedef enum hard_flaw { HARD_NONE, HARD_RANK, HARD_BORDER, HARD_BONDED, HARD_FLAWS } hard_flaw;
+/* ---- problems (regret_elastic.c) ------------------------------------------------------------- */
 
 /* Returns "none", "rank", "border", "bonded". */
-const char *hard_flaw_name(hard_flaw flaw);
+const char *hard_flaw_name(planted_flaw flaw);
 
-typedef struct hard_problem {
-  dls_contact contact;
-  double *W, *q, *mu, *r; /* r: the answer that q was made for */
-} hard_problem;
-
-/* Makes the problem of these numbers: d = 3, nc contacts, W dense with eigenvalues from 1 to 1 /
- * condition. Returns 0, or -1 without memory. */
-int hard_create(hard_problem *p, int nc, double condition, double mu, hard_flaw flaw,
+/* Makes the planted problem of these numbers, d = 3. Returns 0, or -1 without memory. */
+int hard_create(regret_problem *p, int nc, double condition, double mu, planted_flaw flaw,
                 uint64_t seed);
-void hard_free(hard_problem *p);
 
 /* ---- one method (hard_solve.c) --------------------------------------------------------------- */
 
@@ -47,12 +39,12 @@ const char *hard_method_name(int k);
 
 /* Runs method k to 1e-8 within `seconds` of CPU, and if it meets the limit, again within ten times
  * that. cpu: of the last run. */
-hard_end hard_run(const hard_problem *p, int k, double seconds, double *cpu);
+hard_end hard_run(const regret_problem *p, int k, double seconds, double *cpu);
 
 /* ---- the page (hard_report.c) ---------------------------------------------------------------- */
 
 typedef struct hard_row {
-  hard_flaw flaw;
+  planted_flaw flaw;
   int nc, seed, method;
   double condition, mu, cpu, limit;
   hard_end end;

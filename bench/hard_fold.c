@@ -13,13 +13,13 @@ int hard_fold_table(FILE *page) {
   for (int nc = 2; nc <= 6; nc += 2)
     for (double condition = 10; condition < 2e4; condition *= condition)
       for (uint64_t seed = 2; seed <= 4; seed += 2) {
-        hard_problem h;
+        regret_problem h;
         dls_fold f = {0};
-        if (hard_create(&h, nc, condition, 0, HARD_NONE, seed)) return 1;
+        if (hard_create(&h, nc, condition, 0, FLAW_NONE, seed)) return 1;
         if (dls_contact_fold(&h.contact, &f, NULL, NULL, NULL, NULL, NULL)) return 1;
         bench_print(page, "| %d | %.0e | %d | %.3g | %.3g | %.2f | %d |\n", nc, condition,
                     (int)seed, f.unique, f.friction, f.friction / f.unique, f.matrices);
-        hard_free(&h);
+        regret_free(&h);
       }
   return 0;
 }

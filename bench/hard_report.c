@@ -65,7 +65,7 @@ static hard_pick with_mu(hard_pick p, double mu) {
   p.mu = mu;
   return p;
 }
-static hard_pick with_flaw(hard_pick p, hard_flaw flaw) {
+static hard_pick with_flaw(hard_pick p, planted_flaw flaw) {
   p.flaw = (int)flaw;
   return p;
 }
@@ -115,8 +115,8 @@ static void report_shares(FILE *page) {
               "contacts (conditions 1, 1e4, 1e8, frictions 0, 1, 5, one seed);\n300 and 1000 "
               "contacts: full rank alone, 1000 without condition 1e4 and friction 1.\n\n"
               "| method | condition 1 | 1e4 | 1e8 | friction 0 | 1 | 5 |");
-  for (int f = 0; f < HARD_FLAWS; f++)
-    bench_print(page, " %s |", hard_flaw_name((hard_flaw)f));
+  for (int f = 0; f < FLAWS; f++)
+    bench_print(page, " %s |", hard_flaw_name((planted_flaw)f));
   bench_print(page, " 10 contacts | 30 | 100 | 300 | 1000 |\n|---|");
   for (int k = 0; k < 15; k++)
     bench_print(page, "---|");
@@ -128,8 +128,8 @@ static void report_shares(FILE *page) {
       hard_cell(page, solved(with_condition(p, conditions[i])));
     for (int i = 0; i < 3; i++)
       hard_cell(page, solved(with_mu(p, frictions[i])));
-    for (int f = 0; f < HARD_FLAWS; f++)
-      hard_cell(page, solved(with_flaw(p, (hard_flaw)f)));
+    for (int f = 0; f < FLAWS; f++)
+      hard_cell(page, solved(with_flaw(p, (planted_flaw)f)));
     static const int sizes[] = {10, 30, 100, 300, 1000};
     for (int i = 0; i < 5; i++)
       hard_cell(page, solved(with_size(p, sizes[i])));
@@ -222,26 +222,26 @@ static void report_lines(FILE *page) {
               "9. Half rank is the worst degeneracy for sweeps and Newton's method (%.0f %% and "
               "%.0f %%), half bonded for the augmented Lagrangian (%.0f %%). On the border of "
               "states nlgs solves %.0f %%, at full rank %.0f %%.\n",
-              solved(with_flaw(nlgs, HARD_RANK)), solved(with_flaw(newton, HARD_RANK)),
-              solved(with_flaw(augmented, HARD_BONDED)), solved(with_flaw(nlgs, HARD_BORDER)),
-              solved(with_flaw(nlgs, HARD_NONE)));
+              solved(with_flaw(nlgs, FLAW_RANK)), solved(with_flaw(newton, FLAW_RANK)),
+              solved(with_flaw(augmented, FLAW_BONDED)), solved(with_flaw(nlgs, FLAW_BORDER)),
+              solved(with_flaw(nlgs, FLAW_NONE)));
   bench_print(page,
               "10. Size makes it worse: of the problems that are run with 10, 30 and 100 contacts "
               "auto solves %.0f, %.0f and %.0f %%, nlgs %.0f, %.0f and %.0f %%.\n\n",
               solved(with_size(automatic, 10)), solved(with_size(automatic, 30)),
               solved(with_size(automatic, 100)), solved(with_size(nlgs, 10)),
               solved(with_size(nlgs, 30)), solved(with_size(nlgs, 100)));
-  bench_print(page,
-              "![The ending of each method on the problems with 30 "
-              "contacts](../../docs/pictures/hard.png)\n\n"
-              "A problem: W dense with eigenvalues from 1 to 1 / condition, spaced evenly in their "
-              "logarithm; the answer is drawn first, contacts free,\nsticking or slipping, one in "
-              "three each, so that a solution exists (bench/hard_problems.c). Solved: certified at "
-              "1e-8. A run that meets its limit is\nrepeated with ten times that; then it is a "
-              "cycle (the reactions came back), no progress (the residual fell by less than half "
-              "in the second\nhalf of the iterations), or not decided. Limits of the second try: "
-              "0.2 s with 10 contacts, 0.4 s with 30, 2 s with 100, 4 s with 300, 10 s\nwith 1000. "
-              "Not applicable: Lemke's method and the homotopy take no infinite friction.\n");
+  bench_print(
+      page, "![The ending of each method on the problems with 30 "
+            "contacts](../../docs/pictures/hard.png)\n\n"
+            "A problem: W dense with eigenvalues from 1 to 1 / condition, spaced evenly in their "
+            "logarithm; the answer is drawn first, contacts free,\nsticking or slipping, one in "
+            "three each, so that a solution exists (bench/regret_elastic.c). Solved: certified at "
+            "1e-8. A run that meets its limit is\nrepeated with ten times that; then it is a "
+            "cycle (the reactions came back), no progress (the residual fell by less than half "
+            "in the second\nhalf of the iterations), or not decided. Limits of the second try: "
+            "0.2 s with 10 contacts, 0.4 s with 30, 2 s with 100, 4 s with 300, 10 s\nwith 1000. "
+            "Not applicable: Lemke's method and the homotopy take no infinite friction.\n");
 }
 
 void hard_report(FILE *page, int count, const hard_row *row) {

@@ -25,24 +25,24 @@
 
 #include "common.h"
 #include "hard.h"
+#include "solvers.h"
 
 enum { all_iterations = 100000000, watched = 64 /* kept residuals */ };
 
 static const double tolerance = 1e-8, same = 1e-9;
 
-static const struct {
-  const char *name, *method, *acceleration;
-  int most; /* contacts */
-} methods[] = {{"auto", "auto", "none", 100000},
-               {"nlgs", "nlgs", "none", 100000},
-               {"nlgs+aitken", "nlgs", "aitken", 100000},
-               {"nlgs+anderson", "nlgs", "anderson", 100000},
-               {"nlgs+momentum", "nlgs", "momentum", 100000},
-               {"newton", "newton", "none", 100000},
-               {"admm", "admm", "none", 100000},
-               {"augmented-lagrangian", "augmented-lagrangian", "none", 100000},
-               {"lemke", "lemke", "none", 60},
-               {"homotopy", "homotopy", "none", 100}};
+enum { all = 100000 };
+static const own_method methods[] = {
+    {"auto", "auto", "none", .most = {all, all}},
+    {"nlgs", "nlgs", "none", .most = {all, all}},
+    {"nlgs+aitken", "nlgs", "aitken", .most = {all, all}},
+    {"nlgs+anderson", "nlgs", "anderson", .most = {all, all}},
+    {"nlgs+momentum", "nlgs", "momentum", .most = {all, all}},
+    {"newton", "newton", "none", .most = {all, all}},
+    {"admm", "admm", "none", .most = {all, all}},
+    {"augmented-lagrangian", "augmented-lagrangian", "none", .most = {all, all}},
+    {"lemke", "lemke", "none", .most = {60, 60}},
+    {"homotopy", "homotopy", "none", .most = {100, 100}}};
 enum { method_count = sizeof methods / sizeof *methods };
 
 const char *hard_method_name(int k) {
@@ -96,22 +96,19 @@ static int is_stuck(const hard_watch *w) {
   return w->least > 0.5 * w->best[slice - 2];
 }
 
-static hard_end hard_once(const hard_problem *p, int k, double seconds, int last, double *cpu) {
+static hard_end hard_once(const regret_problem *p, int k, double seconds, int last, double *cpu) {
   const size_t m = 3 * (size_t)p->contact.nc;
-  if (p->contact.nc > methods[k].most) return HARD_REFUSED;
+  if (p->contact.nc > methods[k].most[1]) return HARD_REFUSED;
   dls_solver_settings s;
-  dls_solver_settings_init(&s);
   hard_watch watch = {.m = m, .kept = calloc(2 * m, sizeof(double)), .least = INFINITY};
-  if (!watch.kept || !dls_method_find(methods[k].method, &s.method) ||
-      !dls_acceleration_find(methods[k].acceleration, &s.acceleration))
-    abort();
+  if (!watch.kept) abort();
   for (int i = 0; i < watched; i++)
     watch.best[i] = INFINITY;
-  s.limits.tol = tolerance;
+  own_settings(&s, &methods[k], &p->contact, tolerance);
   s.limits.cpu_seconds = seconds;
   s.limits.progress = hard_follow;
   s.limits.progress_data = &watch;
-  if (s.method == DLS_NLGS || s.method == DLS_ADMM) s.limits.max_iterations = all_iterations;
+  if (s.method == DLS_ADMM) s.limits.max_iterations = all_iterations;
   double *r = watch.kept + m;
   const double start = bench_seconds();
   const dls_status status = dls_solve(&p->contact, &s, r, NULL, NULL, NULL);
@@ -137,7 +134,7 @@ static hard_end hard_once(const hard_problem *p, int k, double seconds, int last
   return end;
 }
 
-hard_end hard_run(const hard_problem *p, int k, double seconds, double *cpu) {
+hard_end hard_run(const regret_problem *p, int k, double seconds, double *cpu) {
   const hard_end end = hard_once(p, k, seconds, 0, cpu);
   return end == HARD_UNDECIDED ? hard_once(p, k, 10 * seconds, 1, cpu) : end;
 }

@@ -71,32 +71,18 @@ static void lanes_compare(const plan *p, FILE *page, const char *kind, const cha
               full, best[4] / best[3] * p->sweeps);
 }
 
-static int lanes_options(int argc, char **argv, plan *p, const char **out) {
-  if (!bench_options(argc, argv,
-                     "[--sizes N,N..] [--seed SEED] [--sweeps N] [--rounds N] [--out DIR]"))
-    return -1;
-  for (int k = 1; k + 1 < argc; k += 2) {
-    char *value = argv[k + 1];
-    if (strcmp(argv[k], "--seed") == 0)
-      p->seed = strtoul(value, NULL, 10);
-    else if (strcmp(argv[k], "--sweeps") == 0)
-      p->sweeps = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--rounds") == 0)
-      p->rounds = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--out") == 0)
-      *out = value;
-    else if (strcmp(argv[k], "--sizes") == 0)
-      for (p->size_count = 0; *value && p->size_count < most_sizes; value += *value == ',')
-        p->sizes[p->size_count++] = (int)strtol(value, &value, 10);
-  }
-  return p->sweeps > 0 && p->rounds > 0 ? 0 : -1;
-}
-
 int main(int argc, char **argv) {
   static const char *const kinds[] = {"packing-flow", "packing-rest", "balls-rest", "discs-rest"};
-  plan p = {.sizes = {700, 4000, 20000}, .size_count = 3, .seed = 2, .sweeps = 100, .rounds = 5};
-  const char *out = "build";
-  if (lanes_options(argc, argv, &p, &out)) return 2;
+  if (!bench_options(argc, argv,
+                     "[--sizes N,N..] [--seed SEED] [--sweeps N] [--rounds N] [--out DIR]"))
+    return 2;
+  plan p = {.sizes = {700, 4000, 20000},
+            .seed = (unsigned long)bench_number(argc, argv, "--seed", 2),
+            .sweeps = (int)bench_number(argc, argv, "--sweeps", 100),
+            .rounds = (int)bench_number(argc, argv, "--rounds", 5)};
+  p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 3, most_sizes);
+  const char *out = bench_word(argc, argv, "--out", "build");
+  if (p.sweeps < 1 || p.rounds < 1) return 2;
   p.page = bench_page(out, "lanes", "Sweeps in lanes", argc, argv);
   if (!p.page) return 1;
   bench_print(p.page,

@@ -12,9 +12,10 @@
 
 #include "common.h"
 #include "delassus/trust.h"
+#include "regret_kinds.h"
 #include "solvers_scenes.h"
 
-enum { calls = 5, most_costs = 500, sets = 4, most_rows = 600, most_motions = 180 };
+enum { calls = 5, most_costs = 500, sets = 4, most_rows = 600 };
 static const double pi = 3.141592653589793;
 
 typedef struct least_set {
@@ -95,78 +96,59 @@ static void least_scene(void *data, const scene *s) {
 
 /* ---- tables and arches ----------------------------------------------------------------------- */
 
-/* W = H^T H and q = H^T f of `motions` rows of H, scaled by M^-1/2. */
-static void judge_rigid(int d, int nc, int motions, const double *H, const double *f,
-                        double friction, least_set *set) {
-  const size_t m = (size_t)d * (size_t)nc, n = (size_t)motions;
-  double *W = calloc(m * m + m + (size_t)nc, sizeof *W), *q = W + m * m, *mu = q + m;
-  if (!W) return;
-  for (size_t i = 0; i < m; i++)
-    for (size_t k = 0; k < n; k++) {
-      q[i] += H[i * n + k] * f[k];
-      for (size_t j = 0; j < m; j++)
-        W[i + j * m] += H[i * n + k] * H[j * n + k];
-    }
-  for (int c = 0; c < nc; c++)
-    mu[c] = friction;
-  const int rows = (int)m;
-  scene s = {.set = "rigid"};
-  s.contact = (dls_contact){.d = d, .nc = nc, .W = {rows, rows, rows, W}, .q = q, .mu = mu};
+/* Judges the bodies, W dense. */
+static void judge_rigid(yard *y, least_set *set) {
+  regret_problem *a = y->a;
+  if (yard_close(y)) exit(1);
+  const int m = a->contact.d * a->contact.nc;
+  a->W = calloc((size_t)m * (size_t)m, sizeof *a->W);
+  if (!a->W || dls_blocks_to_dense(&a->contact.Wb, a->W, m, NULL)) exit(1);
+  scene s = {.set = "rigid", .contact = a->contact};
+  s.contact.W = (dls_dense){m, m, m, a->W};
+  s.contact.Wb = (dls_blocks){0};
   least_scene(set, &s);
-  free(W);
+  regret_free(a);
 }
 
 static void judge_table(int legs, least_set *set) {
-  double H[3 * 32 * 6] = {0};
-  static const double f[6] = {0, 0, -1, 0, 0, 0}, turn = 3; /* 1 / sqrt(inertia) */
+  static const double middle[3] = {0}, inertia[3] = {1. / 9, 1. / 9, 1. / 9}, up[3] = {0, 0, 1};
+  static const double v[6] = {0, 0, -1, 0, 0, 0};
+  regret_problem a = {0};
+  yard y = {.mu = 0.5};
+  if (yard_open(&y, &a, 3, 1, legs)) exit(1);
+  (void)yard_body(&y, middle, 1, inertia, v);
   for (int c = 0; c < legs; c++) {
-    const double a = 2 * pi * c / legs, p[3] = {cos(a), sin(a), -1};
-    static const int axis[3] = {2, 0, 1}; /* n, t, s */
-    for (int i = 0; i < 3; i++) {
-      double *h = H + 6 * (3 * c + i);
-      const int e = axis[i];
-      h[e] = 1;
-      h[3 + (e + 2) % 3] = turn * p[(e + 1) % 3] * -1; /* p x e */
-      h[3 + (e + 1) % 3] = turn * p[(e + 2) % 3];
-    }
+    const double at = 2 * pi * c / legs, x[3] = {cos(at), sin(at), -1};
+    yard_touch(&y, 0, -1, x, up);
   }
-  judge_rigid(3, legs, 6, H, f, 0.5, set);
+  judge_rigid(&y, set);
 }
 
 static void judge_arch(int bodies, least_set *set) {
-  static double H[2 * 122 * most_motions], f[most_motions];
-  const int n = 3 * bodies;
+  static const double v[3] = {0, -1, 0};
   const double step = pi / bodies, mass = 0.3 * step, inertia = mass * (0.09 + step * step) / 12;
-  memset(H, 0, sizeof H);
+  regret_problem a = {0};
+  yard y = {.mu = 0.7};
+  if (yard_open(&y, &a, 2, bodies, 2 * (bodies + 1))) exit(1);
   for (int b = 0; b < bodies; b++) {
-    f[3 * b] = f[3 * b + 2] = 0;
-    f[3 * b + 1] = -sqrt(mass);
+    const double at = pi - (b + 0.5) * step, middle[3] = {cos(at), sin(at), 0};
+    (void)yard_body(&y, middle, mass, &inertia, v);
   }
   for (int c = 0; c < 2 * (bodies + 1); c++) {
-    const int joint = c / 2;
-    const double a = pi - joint * step, R = c % 2 ? 1.15 : 0.85, p[2] = {R * cos(a), R * sin(a)};
-    for (int side = 0; side < 2; side++) {
-      const int b = joint - side;
-      const double at = pi - (b + 0.5) * step, x = p[0] - cos(at), y = p[1] - sin(at);
-      for (int i = 0; i < 2 && b >= 0 && b < bodies; i++) {
-        const double sign = side ? -1 : 1;
-        const double e[2] = {i ? -cos(a) : sin(a), i ? -sin(a) : -cos(a)};
-        double *h = H + n * (2 * c + i) + 3 * b;
-        h[0] = sign * e[0] / sqrt(mass);
-        h[1] = sign * e[1] / sqrt(mass);
-        h[2] = sign * (x * e[1] - y * e[0]) / sqrt(inertia);
-      }
-    }
+    const int joint = c / 2, last = joint == bodies;
+    const double at = pi - joint * step, R = c % 2 ? 1.15 : 0.85, sign = last ? -1 : 1;
+    const double x[3] = {R * cos(at), R * sin(at), 0};
+    const double normal[3] = {sign * sin(at), -sign * cos(at), 0};
+    yard_touch(&y, joint - last, last ? -1 : joint - 1, x, normal);
   }
-  judge_rigid(2, 2 * (bodies + 1), n, H, f, 0.7, set);
+  judge_rigid(&y, set);
 }
 
 int main(int argc, char **argv) {
   static least_set set[sets] = {
       {.name = "tables"}, {.name = "arches"}, {.name = "walls"}, {.name = "FCLIB"}};
   if (!bench_options(argc, argv, "--out DIR [FCLIB...]")) return 2;
-  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 2;
+  const char *out = bench_word(argc, argv, "--out", NULL);
   for (int legs = 4; legs <= 32; legs++)
     judge_table(legs, &set[0]);
   for (int bodies = 6; bodies <= 60; bodies += 6)

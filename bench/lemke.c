@@ -407,26 +407,10 @@ static int run_large(int nc, const output *to) {
 /* ---- program --------------------------------------------------------------------------------- */
 
 int main(int argc, char **argv) {
-  const char *out = "bench/results", *directory = "data/lcp";
-  int max = 4000, full = 0, one = 0;
-  for (int k = 1; k < argc; k++) {
-    const int more = k + 1 < argc;
-    if (!strcmp(argv[k], "--full"))
-      full = 1;
-    else if (!strcmp(argv[k], "--large"))
-      one = 1;
-    else if (!strcmp(argv[k], "--max") && more)
-      max = atoi(argv[++k]);
-    else if (!strcmp(argv[k], "--lcp") && more)
-      directory = argv[++k];
-    else if (!strcmp(argv[k], "--out") && more)
-      out = argv[++k];
-    else {
-      fprintf(stderr,
-              "usage: lemke [--max N] [--full] [--lcp DIR] [--out DIR] | --large [--out DIR]\n");
-      return 2;
-    }
-  }
+  if (!bench_options(argc, argv, "[--max N] [--full] [--large] [--lcp DIR] [--out DIR]")) return 2;
+  const char *out = bench_word(argc, argv, "--out", "bench/results");
+  const int one = bench_has(argc, argv, "--large");
+  const int max = (int)bench_number(argc, argv, "--max", 4000);
   output to = {bench_open(out, one ? "lemke_large.csv" : "lemke.csv"), NULL};
   if (to.csv)
     to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method against Siconos'",
@@ -437,8 +421,8 @@ int main(int argc, char **argv) {
     status = run_large(3333, &to);
   else {
     write_heads(&to);
-    status |= compare_directory(directory, max, &to);
-    status |= compare_generated(max, full, &to);
+    status |= compare_directory(bench_word(argc, argv, "--lcp", "data/lcp"), max, &to);
+    status |= compare_generated(max, bench_has(argc, argv, "--full"), &to);
     bench_print(to.page, "\n![CPU time against n](lemke.png)\n");
   }
   if (fclose(to.csv) != 0) status = -1;

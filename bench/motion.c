@@ -1,7 +1,7 @@
 /*
  * motion.c: compares the cost of the reduction in each step of a moving body with one solve.
  *
- *   motion [--out DIR] [--case D CELLS]
+ *   motion [--out DIR]
  *
  * A step is dls_reduction_load, the contact problem (not timed here), dls_reduction_recover. The
  * peer is one solve by CHOLMOD with the same K: supernodal and simplicial, each with its own order;
@@ -180,22 +180,10 @@ static int print_box(FILE *page, int d, int cells) {
 int main(int argc, char **argv) {
   static const int boxes[][2] = {{2, 4},   {2, 8},   {2, 10}, {2, 12}, {2, 22}, {2, 45}, {2, 90},
                                  {2, 181}, {2, 256}, {3, 4},  {3, 8},  {3, 12}, {3, 18}, {3, 24}};
-  const char *directory = NULL;
-  int d = 0, cells = 0;
-  for (int k = 1; k < argc; k++) {
-    if (strcmp(argv[k], "--out") == 0 && k + 1 < argc)
-      directory = argv[++k];
-    else if (strcmp(argv[k], "--case") == 0 && k + 2 < argc) {
-      d = atoi(argv[++k]);
-      cells = atoi(argv[++k]);
-    } else
-      return fprintf(stderr, "usage: motion [--out DIR] [--case D CELLS]\n"), 2;
-  }
-  FILE *page = NULL;
-  if (directory && !cells) {
-    page = bench_page(directory, "motion", "A step of a body that moves", argc, argv);
-    if (!page) return 1;
-  }
+  if (!bench_options(argc, argv, "--out DIR")) return 2;
+  FILE *page = bench_page(bench_word(argc, argv, "--out", NULL), "motion",
+                          "A step of a body that moves", argc, argv);
+  if (!page) return 1;
   bench_print(
       page, "%s",
       "Elastic boxes, one face held, all nodes of another one contacts. Microseconds of CPU: "
@@ -206,9 +194,7 @@ int main(int argc, char **argv) {
       "ratio | x differs by | create s | peer's factor s |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n");
   int failed = 0;
-  for (size_t k = 0; !cells && k < sizeof boxes / sizeof boxes[0]; k++)
+  for (size_t k = 0; k < sizeof boxes / sizeof boxes[0]; k++)
     failed |= print_box(page, boxes[k][0], boxes[k][1]);
-  if (cells) failed = print_box(NULL, d, cells);
-  if (page && fclose(page)) failed = 1;
-  return failed;
+  return fclose(page) != 0 || failed;
 }

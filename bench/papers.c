@@ -103,11 +103,8 @@ static const struct {
 
 int main(int argc, char **argv) {
   if (!bench_options(argc, argv, "--out DIR [--only QUESTION]")) return 2;
-  const char *out = NULL, *only = NULL;
-  for (int k = 1; k + 1 < argc; k += 2) {
-    if (strcmp(argv[k], "--out") == 0) out = argv[k + 1];
-    if (strcmp(argv[k], "--only") == 0) only = argv[k + 1];
-  }
+  const char *out = bench_word(argc, argv, "--out", NULL);
+  const char *only = bench_word(argc, argv, "--only", NULL);
   FILE *page = bench_page(out, "papers", "The papers' questions", argc, argv);
   if (!page) return 1;
   int bad = 0;

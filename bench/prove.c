@@ -81,12 +81,11 @@ int main(int argc, char **argv) {
                                 {.name = "FCLIB"},          {.name = "Jean's block"},
                                 {.name = "elastic blocks"}, {.name = "elastic cubes"}};
   if (!bench_options(argc, argv, "--out DIR [FCLIB [FILES...]]")) return 2;
-  const char *out = strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
-  if (!out) return 2;
+  const char *out = bench_word(argc, argv, "--out", NULL);
   for (int k = 0; k < randoms; k++)
-    if (scenes_random(k, 0, prove_scene, &set[0])) return 1;
+    if (scenes_random(k, 0, 300, prove_scene, &set[0])) return 1;
   for (int k = 0; k < 36; k++)
-    if (scenes_random(k, 50 + 450 * (k / 3) / 11, prove_scene, &set[1])) return 1;
+    if (scenes_random(k, 50 + 450 * (k / 3) / 11, 0, prove_scene, &set[1])) return 1;
   if (scenes_files(argc > 3 ? argv[3] : "data/fclib", prove_scene, &set[2]) ||
       (argc > 4 && scenes_files(argv[4], prove_scene, &set[3])) ||
       scenes_blocks(0, prove_scene, &set[4]) || scenes_cubes(0, prove_scene, &set[5]))

@@ -3,7 +3,6 @@
  *
  *   reduction [--full] [--out DIR]   the smaller cases; --full: 30^3 elements and others (2 GB)
  *   reduction --large [--out DIR]    2D, 850 x 850 elements, without peers (6 GB)
- *   reduction --case D CELLS SKEW    one case, on the screen only
  *
  * The peers factor K and solve for the columns of H: CHOLMOD for 64 columns at a time, adding H^T
  * X to W as it goes; UMFPACK for one. MUMPS alone is its factorisation with the Schur complement
@@ -294,24 +293,9 @@ static int run_cases(const output *to, int full) {
 }
 
 int main(int argc, char **argv) {
-  const char *directory = "bench/results";
-  int full = 0, large = 0;
-  for (int k = 1; k < argc; k++) {
-    if (!strcmp(argv[k], "--case") && argc == k + 4) {
-      print_head(NULL);
-      return compare_ways(&(output){0}, atoi(argv[k + 1]), atoi(argv[k + 2]), atof(argv[k + 3]), 1);
-    }
-    if (!strcmp(argv[k], "--full"))
-      full = 1;
-    else if (!strcmp(argv[k], "--large"))
-      large = 1;
-    else if (!strcmp(argv[k], "--out") && k + 1 < argc)
-      directory = argv[++k];
-    else
-      return fputs("usage: reduction [--full | --large | --case D CELLS SKEW] [--out DIR]\n",
-                   stderr),
-             2;
-  }
+  if (!bench_options(argc, argv, "[--full] [--large] [--out DIR]")) return 2;
+  const char *directory = bench_word(argc, argv, "--out", "bench/results");
+  const int large = bench_has(argc, argv, "--large");
   output to = {bench_open(directory, large ? "reduction_large.csv" : "reduction.csv"), NULL};
   if (to.csv)
     to.page = bench_page(directory, large ? "reduction_large" : "reduction",
@@ -322,7 +306,8 @@ int main(int argc, char **argv) {
       "ordering_analysis_s,inverse_s,Gflops,dgemm_Gflops\n",
       to.csv);
   print_head(to.page);
-  const int failed = large ? compare_ways(&to, 2, 850, 0, 0) : run_cases(&to, full);
+  const int failed =
+      large ? compare_ways(&to, 2, 850, 0, 0) : run_cases(&to, bench_has(argc, argv, "--full"));
   if (!large)
     bench_print(to.page, "\n![CPU time, memory and speed against unknowns](reduction.png)\n");
   fclose(to.page);

@@ -134,48 +134,28 @@ static int read_kinds(plan *p, char *list) {
   return 0;
 }
 
-static int regret_options(int argc, char **argv, plan *p, const char **out) {
+static int regret_options(int argc, char **argv, plan *p) {
+  if (!bench_options(argc, argv,
+                     "[--list] [--seed SEED] [--step N] [--count N] [--kinds KIND,KIND..] "
+                     "[--tol TOL] [--seconds LIMIT] [--no-peer] [--info] [--out DIR] "
+                     "[--file X.hdf5] [--one KIND SIZE MU SEED ...]"))
+    return -1;
+  char list[1024];
+  p->how.no_peer = bench_has(argc, argv, "--no-peer");
+  p->how.info = bench_has(argc, argv, "--info");
+  p->how.seconds = bench_number(argc, argv, "--seconds", 0.5);
+  p->seed = (unsigned long)bench_number(argc, argv, "--seed", 2);
+  p->step = (unsigned long)bench_number(argc, argv, "--step", 2);
+  p->count = (int)bench_number(argc, argv, "--count", 0);
+  p->tolerances = bench_has(argc, argv, "--tol") ? 1 : 2;
+  if (p->tolerances == 1) p->tol[0] = bench_number(argc, argv, "--tol", 0);
   for (int k = 1; k < argc; k++) {
-    const char *key = argv[k];
-    if (strcmp(key, "--no-peer") == 0) {
-      p->how.no_peer = 1;
-      continue;
-    }
-    if (strcmp(key, "--info") == 0) {
-      p->how.info = 1;
-      continue;
-    }
-    if (strcmp(key, "--one") == 0 && k + 4 < argc) {
-      for (int i = 0; i < 4; i++)
-        p->one[i] = argv[++k];
-      continue;
-    }
-    char *value = k + 1 < argc ? argv[++k] : NULL;
-    if (value && strcmp(key, "--seed") == 0)
-      p->seed = strtoul(value, NULL, 10);
-    else if (value && strcmp(key, "--step") == 0)
-      p->step = strtoul(value, NULL, 10);
-    else if (value && strcmp(key, "--count") == 0)
-      p->count = (int)strtol(value, NULL, 10);
-    else if (value && strcmp(key, "--seconds") == 0)
-      p->how.seconds = strtod(value, NULL);
-    else if (value && strcmp(key, "--out") == 0)
-      *out = value;
-    else if (value && strcmp(key, "--file") == 0 && p->files < most_files)
-      p->file[p->files++] = value;
-    else if (value && strcmp(key, "--tol") == 0) {
-      p->tol[0] = strtod(value, NULL);
-      p->tolerances = 1;
-    } else if (value && strcmp(key, "--kinds") == 0) {
-      char list[1024];
-      (void)snprintf(list, sizeof list, "%s", value);
-      if (read_kinds(p, list)) return -1;
-    } else {
-      fprintf(stderr, "regret: option %s is unknown or has no value\n", key);
-      return -1;
-    }
+    for (int i = 0; i < 4 && k + 4 < argc && strcmp(argv[k], "--one") == 0; i++)
+      p->one[i] = argv[k + 1 + i];
+    if (strcmp(argv[k], "--file") == 0 && p->files < most_files) p->file[p->files++] = argv[k + 1];
   }
-  return 0;
+  (void)snprintf(list, sizeof list, "%s", bench_word(argc, argv, "--kinds", ""));
+  return read_kinds(p, list);
 }
 
 /* Opens the page and says what is measured. */
@@ -195,14 +175,13 @@ static int open_page(plan *p, const char *out, int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-  plan p = {.seed = 2, .step = 2, .tol = {1e-4, 1e-8}, .tolerances = 2, .how.seconds = 0.5};
-  const char *out = "build";
-  if (argc == 2 && strcmp(argv[1], "--list") == 0) {
+  plan p = {.tol = {1e-4, 1e-8}};
+  if (regret_options(argc, argv, &p)) return 2;
+  if (bench_has(argc, argv, "--list")) {
     for (int k = 0; regret_kind(k); k++)
       printf("%s\n", regret_kind(k));
     return 0;
   }
-  if (regret_options(argc, argv, &p, &out)) return 2;
   for (int k = 0; p.kinds == 0 || (k && regret_kind(k)); k++)
     p.kind[p.kinds++] = regret_kind(k);
   if (p.count <= 0) p.count = 2 * p.kinds;
@@ -214,7 +193,7 @@ int main(int argc, char **argv) {
   if (p.one[0])
     solve_generated(&p, p.one[0], (int)strtol(p.one[1], NULL, 10), strtod(p.one[2], NULL),
                     strtoul(p.one[3], NULL, 10));
-  else if (!(bad = open_page(&p, out, argc, argv))) {
+  else if (!(bad = open_page(&p, bench_word(argc, argv, "--out", "build"), argc, argv))) {
     for (int k = 0; k < p.files; k++)
       bad |= regret_file(&p, p.file[k]);
     for (int k = 0; !p.files && k < p.count; k++)

@@ -8,15 +8,7 @@
 
 static const double pi = 3.14159265358979;
 
-/* Bodies and contacts while they are put up. root: M^-1/2, n a body; middle: 3 a body. */
-typedef struct yard {
-  regret_problem *a;
-  int d, n, bodies, contacts, most_bodies, most_contacts;
-  double mu, *root, *middle;
-  uint64_t state;
-} yard;
-
-static int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts) {
+int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts) {
   const size_t b = (size_t)bodies, c = (size_t)contacts, n = (size_t)(3 * (d - 1));
   y->a = a;
   y->d = d;
@@ -34,9 +26,7 @@ static int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts
                                                                                               : -1;
 }
 
-/* Adds a body. inertia: 3, or 1 for d = 2; v: n, velocities, then turning. */
-static int yard_body(yard *y, const double *middle, double mass, const double *inertia,
-                     const double *v) {
+int yard_body(yard *y, const double *middle, double mass, const double *inertia, const double *v) {
   if (y->bodies == y->most_bodies) return -1;
   const int b = y->bodies++;
   for (int l = 0; l < y->n; l++) {
@@ -46,11 +36,6 @@ static int yard_body(yard *y, const double *middle, double mass, const double *i
   }
   memcpy(y->middle + 3 * b, middle, 3 * sizeof *middle);
   return b;
-}
-
-static void cross(const double *a, const double *b, double *c) {
-  for (int i = 0; i < 3; i++)
-    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 /* F := n, t, s, orthonormal; d = 2: t is n turned by a quarter. */
@@ -63,15 +48,14 @@ static void frame_of(int d, const double *normal, double F[3][3]) {
     return;
   }
   const double axis[3] = {fabs(normal[0]) < 0.6, fabs(normal[0]) >= 0.6, 0};
-  cross(normal, axis, F[1]);
+  regret_cross(normal, axis, F[1]);
   const double length = sqrt(F[1][0] * F[1][0] + F[1][1] * F[1][1] + F[1][2] * F[1][2]);
   for (int i = 0; i < 3; i++)
     F[1][i] /= length;
-  cross(F[0], F[1], F[2]);
+  regret_cross(F[0], F[1], F[2]);
 }
 
-/* Adds a contact of a on b (-1: fixed) at x; the unit normal points to a. */
-static void yard_touch(yard *y, int a, int b, const double *x, const double *normal) {
+void yard_touch(yard *y, int a, int b, const double *x, const double *normal) {
   const int d = y->d, n = y->n, c = y->contacts;
   double F[3][3];
   if (c == y->most_contacts) return;
@@ -85,7 +69,7 @@ static void yard_touch(yard *y, int a, int b, const double *x, const double *nor
       double arm[3], turn[3];
       for (int i = 0; i < 3; i++)
         arm[i] = x[i] - y->middle[3 * of + i];
-      cross(arm, F[j], turn);
+      regret_cross(arm, F[j], turn);
       for (int l = 0; l < n; l++)
         H[l + n * j] = (side ? -1 : 1) * y->root[of * n + l] *
                        (l < d    ? F[j][l]
@@ -93,6 +77,12 @@ static void yard_touch(yard *y, int a, int b, const double *x, const double *nor
                                  : turn[l - 3]);
     }
   }
+}
+
+int yard_close(yard *y) {
+  free(y->root);
+  free(y->middle);
+  return y->a && y->bodies ? regret_assemble(y->a, y->d, y->contacts, y->bodies) : -1;
 }
 
 /* Wheels of radius 1 in a square grid. The axle lends each wheel 50 times its mass. */
@@ -367,8 +357,5 @@ int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint
     bad = yard_open(&y, a, 2, count, 2 * count + 1);
     if (!bad) put_dominoes(&y, count);
   }
-  if (!bad) bad = regret_assemble(a, y.d, y.contacts, y.bodies);
-  free(y.root);
-  free(y.middle);
-  return bad;
+  return yard_close(&y) || bad ? -1 : 0;
 }

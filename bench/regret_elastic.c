@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "reduction_boxes.h"
 #include "regret_kinds.h"
 #include "solvers_scenes.h"
 
@@ -41,7 +42,9 @@ static void reflect(int m, double *W, const double *v, double *w) {
       W[i + M * j] += 4 * vWv * v[i] * v[j] / (vv * vv) - 2 * (v[i] * w[j] + w[i] * v[j]) / vv;
 }
 
-int regret_spectrum(double *W, int m, int rank, double condition, uint64_t *state) {
+/* Fills W (m x m, zeros) with `rank` eigenvalues from 1 to 1 / condition, spaced evenly in their
+ * logarithm, and zeros. Returns 0, or -1 without memory. */
+static int regret_spectrum(double *W, int m, int rank, double condition, uint64_t *state) {
   enum { reflections = 30 };
   double *v = calloc(2 * (size_t)m, sizeof *v);
   if (!v) return -1;
@@ -58,7 +61,9 @@ int regret_spectrum(double *W, int m, int rank, double condition, uint64_t *stat
   return 0;
 }
 
-void regret_plant(int d, double mu, uint64_t *state, double *r, double *u) {
+/* Draws r and u (d each) of one contact that obey the laws: free, stick or slip, one in three each.
+ */
+static void regret_plant(int d, double mu, uint64_t *state, double *r, double *u) {
   const double kind = bench_draw(state), angle = pi * bench_draw(state);
   const double t[2] = {d == 3 ? cos(angle) : angle < 0 ? -1 : 1, sin(angle)};
   for (int i = 0; i < d; i++)
@@ -78,17 +83,31 @@ void regret_plant(int d, double mu, uint64_t *state, double *r, double *u) {
   }
 }
 
-static int make_planted(regret_problem *a, int d, int nc, double mu, int bonded, uint64_t *state) {
+/* Moves the drawn answer of contact c to the border of two states. */
+static void put_on_border(int c, double mu, double *r, double *u) {
+  const double size = hypot(r[1], r[2]);
+  for (int i = 0; i < 3; i++)
+    u[i] = 0;
+  if (c % 3 == 0) r[0] = r[1] = r[2] = 0;
+  if (c % 3 == 1 && size > 0) {
+    r[1] *= mu * r[0] / size;
+    r[2] *= mu * r[0] / size;
+  }
+}
+
+int regret_planted(regret_problem *a, int d, int nc, double condition, double mu, planted_flaw flaw,
+                   uint64_t *state) {
   const int m = d * nc;
   if (regret_room(a, d, nc)) return -1;
   double *r = calloc(2 * (size_t)m, sizeof *r), *u = r ? r + m : NULL;
-  if (!r || regret_spectrum(a->W, m, m, bonded ? 1e2 : 1e4, state)) {
+  if (!r || regret_spectrum(a->W, m, flaw == FLAW_RANK ? m / 2 : m, condition, state)) {
     free(r);
     return -1;
   }
   for (int c = 0; c < nc; c++) {
-    a->own.mu[c] = bonded && c % 2 ? INFINITY : mu;
+    a->own.mu[c] = flaw == FLAW_BONDED && c % 2 ? INFINITY : mu;
     regret_plant(d, a->own.mu[c], state, r + d * c, u + d * c);
+    if (flaw == FLAW_BORDER) put_on_border(c, mu, r + 3 * c, u + 3 * c);
   }
   for (int i = 0; i < m; i++)
     a->own.q[i] = u[i];
@@ -101,9 +120,7 @@ static int make_planted(regret_problem *a, int d, int nc, double mu, int bonded,
 
 /* ---- half-space ------------------------------------------------------------------------------ */
 
-/* Computes the block of two points at (x, y) from each other, G = 1, nu = .3; of a point with
- * itself the mean over a square of side a. B: 3 x 3. Boussinesq's and Cerruti's solutions. */
-static void half_space(double x, double y, double a, double *B) {
+void regret_half_space(double x, double y, double a, double *B) {
   const double nu = 0.3, k = 1 / (2 * pi), r2 = x * x + y * y, r = sqrt(r2);
   memset(B, 0, 9 * sizeof *B);
   if (r == 0) {
@@ -138,8 +155,8 @@ static int make_rough(regret_problem *a, int size, double mu, int scattered, uin
   for (int j = 0; j < nc; j++)
     for (int i = 0; i < nc; i++) {
       double B[9];
-      half_space(at[2 * i] - at[2 * j], at[2 * i + 1] - at[2 * j + 1],
-                 (scattered ? 0.25 : 1) / side, B);
+      regret_half_space(at[2 * i] - at[2 * j], at[2 * i + 1] - at[2 * j + 1],
+                        (scattered ? 0.25 : 1) / side, B);
       for (int k = 0; k < 9; k++)
         a->W[(size_t)(3 * i + k % 3) + (size_t)m * (size_t)(3 * j + k / 3)] = B[k];
     }
@@ -221,6 +238,71 @@ static int make_robot(regret_problem *a, int n, int size, double mu, int hand, u
   return 0;
 }
 
+/* ---- pairs of bodies ------------------------------------------------------------------------- */
+
+/*
+ * Two elastic bodies, the upper one pressed down on the lower one and along. Both are boxes of the
+ * same grid, glued to rigid bodies on their outer faces; their nodes meet. With F the flexibility
+ * of the upper box on its lower face, the lower box, its mirror image and E2 times as stiff, has
+ * D F D / E2, D = -1 for normals and 1 for tangents, so that W = F + D F D / E2. Without reactions
+ * the upper body moves as its rigid part does: q_n is the gap of two crowned and slightly rough
+ * faces less the motion down, q_t the motion along. About half the contacts touch.
+ */
+static const double stiffer = 2;           /* E2 */
+static const double crown = 1.2;           /* at the edges, over the way down */
+static const double rough = 0.02;          /* over the way down */
+static const double along[2] = {0.4, 0.2}; /* over the way down */
+
+/* Fills W of the pair from F of the upper box, and q of cells + 1 nodes a side. */
+static void fill_pair(regret_problem *a, const dls_contact *F, int cells, double down,
+                      uint64_t state) {
+  const int d = F->d, m = d * F->nc;
+  for (int j = 0; j < m; j++)
+    for (int i = 0; i < m; i++)
+      a->W[(size_t)i + (size_t)j * (size_t)m] =
+          (1 + ((i % d == 0) == (j % d == 0) ? 1 : -1) / stiffer) *
+          F->W.a[(size_t)i + (size_t)j * (size_t)F->W.ld];
+  for (int k = 0; k < F->nc; k++) {
+    const double x = 2. * (k % (cells + 1)) / cells - 1, y = 2. * (k / (cells + 1)) / cells - 1;
+    const double far = d == 3 ? (x * x + y * y) / 2 : x * x;
+    a->own.q[d * k] = down * (crown * far + rough * bench_draw(&state) - 1);
+    for (int t = 1; t < d; t++)
+      a->own.q[d * k + t] = down * along[t - 1];
+  }
+}
+
+/* Puts W by blocks in place of W dense. */
+static int make_blocks(regret_problem *a) {
+  const size_t d = (size_t)a->contact.d, nc = (size_t)a->contact.nc;
+  a->own.p = calloc(nc + 1, sizeof *a->own.p);
+  a->own.i = calloc(nc * nc, sizeof *a->own.i);
+  a->own.x = calloc(d * d * nc * nc, sizeof *a->own.x);
+  if (!a->own.p || !a->own.i || !a->own.x) return -1;
+  const dls_dense W = a->contact.W;
+  a->contact.W = (dls_dense){0};
+  return dls_blocks_from_dense(&W, (int)d, a->own.p, a->own.i, a->own.x, &a->contact.Wb, NULL) ? -1
+                                                                                               : 0;
+}
+
+/* Kinds: elastic2, elastic3, W dense; elastic2-blocks, elastic3-blocks: the same by blocks. */
+static int make_pair(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
+  const int d = kind[7] - '0', side = d == 2 ? size : (int)round(sqrt(size));
+  const int cells = side > 2 ? side - 1 : 1, height = cells / 4 > 4 ? cells / 4 : 4;
+  const int flat = d == 2 && height > 40 ? 40 : height;
+  box b;
+  dls_reduction *R = NULL;
+  dls_contact F;
+  if (size > regret_most_of_pair || box_create_glued(&b, d, cells, flat)) return -1;
+  int bad = regret_room(a, d, b.model.nodes);
+  for (int k = 0; !bad && k < b.model.nodes; k++)
+    a->own.mu[k] = mu;
+  bad = bad || bench_reduce(&R, &b.model, NULL) || dls_reduction_contact(R, a->own.mu, &F, NULL);
+  if (!bad) fill_pair(a, &F, cells, 0.01 * flat, seed * 0x9E3779B97F4A7C15u + 1);
+  dls_reduction_destroy(R);
+  box_free(&b);
+  return bad || (kind[8] && make_blocks(a)) ? -1 : 0;
+}
+
 /* ---- finite elements ------------------------------------------------------------------------- */
 
 static int copy_contact(regret_problem *a, const dls_contact *from, double mu) {
@@ -278,13 +360,15 @@ static int make_block(regret_problem *a, int size, double mu, uint64_t seed) {
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
   uint64_t state = regret_state(seed, 5);
   const int d = kind[strlen(kind) - 1] == '2' ? 2 : 3;
+  if (regret_is_pair(kind)) return make_pair(a, kind, size, mu, seed);
   if (strncmp(kind, "cube", 4) == 0) return make_cube(a, strtod(kind + 4, NULL), size, mu, seed);
   if (strcmp(kind, "box") == 0) return make_robot(a, 6, size, mu, 0, &state);
   if (strcmp(kind, "feet") == 0) return make_robot(a, seed % 4 < 2 ? 18 : 30, size, mu, 0, &state);
   if (strcmp(kind, "hand") == 0) return make_robot(a, 6, size, mu, 1, &state);
   if (strcmp(kind, "rough3") == 0) return make_rough(a, size, mu, 0, &state);
   if (strcmp(kind, "asperities") == 0) return make_rough(a, size, mu, 1, &state);
-  if (strncmp(kind, "ill", 3) == 0) return make_planted(a, d, size, mu, 0, &state);
-  if (strncmp(kind, "bonded", 6) == 0) return make_planted(a, d, size, mu, 1, &state);
+  if (strncmp(kind, "ill", 3) == 0) return regret_planted(a, d, size, 1e4, mu, FLAW_NONE, &state);
+  if (strncmp(kind, "bonded", 6) == 0)
+    return regret_planted(a, d, size, 1e2, mu, FLAW_BONDED, &state);
   return make_block(a, size, mu, seed);
 }

@@ -39,11 +39,6 @@ static const recipe recipes[] = {{"ell3-rest", "balls-rest", 1, 0.3, 0.5, 0, 0},
                                  {"drum3-sizes", "sizes3-flow", 1, 0, 0, 0.2, 0}};
 enum { recipe_count = sizeof recipes / sizeof recipes[0] };
 
-static void cross(const double *a, const double *b, double *c) {
-  for (int i = 0; i < 3; i++)
-    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* Turns the frame of H (n x d) by angle a in the plane of columns 0 and j. */
 static void turn_frame(int n, double *H, int j, double a) {
   for (int l = 0; l < n; l++) {
@@ -70,7 +65,7 @@ static void move_point(int d, double *H, const double *e) {
     by[i] = e[0] * F[1][i] + (d == 3 ? e[1] * F[2][i] : 0);
   for (int j = 0; j < d; j++) {
     double turn[3];
-    cross(by, F[j], turn);
+    regret_cross(by, F[j], turn);
     for (int l = d; l < n; l++)
       H[l + n * j] += k * turn[d == 2 ? 2 : l - 3];
   }

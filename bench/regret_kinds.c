@@ -12,12 +12,6 @@ static int of_rigid(regret_problem *a, const char *kind, int size, double mu, ui
   return 0;
 }
 
-static int of_pair(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
-  if (elastic_create(&a->pair, kind, size, mu, seed)) return -1;
-  a->contact = a->pair.contact;
-  return 0;
-}
-
 /* most: contacts; dense problems are limited by the time that making and solving them takes. */
 static const struct row {
   const char *kind;
@@ -44,10 +38,10 @@ static const struct row {
     {"balls-flow", of_rigid, 3000},
     {"mixed2-rest", of_rigid, 3000},
     {"mixed3-rest", of_rigid, 3000},
-    {"elastic2", of_pair, 600},
-    {"elastic3", of_pair, 400},
-    {"elastic2-blocks", of_pair, 300},
-    {"elastic3-blocks", of_pair, 300},
+    {"elastic2", regret_elastic, 600},
+    {"elastic3", regret_elastic, 400},
+    {"elastic2-blocks", regret_elastic, 300},
+    {"elastic3-blocks", regret_elastic, 300},
     {"ell3-rest", regret_grains, 3000},
     {"ell3-flow", regret_grains, 3000},
     {"poly2-rest", regret_grains, 3000},
@@ -97,6 +91,10 @@ static const struct row *row_of(const char *kind) {
   return NULL;
 }
 
+int regret_is_pair(const char *kind) {
+  return strncmp(kind, "elastic", 7) == 0;
+}
+
 const char *regret_kind(int index) {
   return index >= 0 && index < row_count ? rows[index].kind : NULL;
 }
@@ -117,7 +115,6 @@ int regret_create(regret_problem *a, const char *kind, int size, double mu, uint
 
 void regret_free(regret_problem *a) {
   rigid_free(&a->bodies);
-  elastic_free(&a->pair);
   rigid_free(&a->own);
   free(a->W);
   *a = (regret_problem){0};
@@ -129,6 +126,11 @@ uint64_t regret_state(uint64_t seed, uint64_t salt) {
   z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
   z = (z ^ z >> 27) * 0x94D049BB133111EBu;
   return z ^ z >> 31;
+}
+
+void regret_cross(const double *a, const double *b, double *c) {
+  for (int i = 0; i < 3; i++)
+    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 int regret_assemble(regret_problem *a, int d, int nc, int bodies) {

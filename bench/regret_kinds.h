@@ -6,20 +6,20 @@
 
 #include "delassus.h"
 #include "rigid.h"
-#include "scale_elastic.h"
 
 /* A problem and the memory that its view needs. */
 typedef struct regret_problem {
   dls_contact contact;
   rigid bodies; /* where a kind of tests/shared/rigid.h is the origin */
-  elastic pair; /* where a kind of scale_elastic.h is */
   rigid own;    /* the arrays of the kinds that are made here, its views unused */
   double *W;    /* W dense */
 } regret_problem;
 
 /* Makes a problem of about `size` contacts. Returns 0, or -1 for an unknown kind or without memory.
- * The kinds are those of tests/shared/rigid.h, those of scale_elastic.h and
+ * The kinds are those of tests/shared/rigid.h and
  *
+ *   elastic2, elastic3       two elastic bodies, pressed together and along, W dense;
+ *                            elastic2-blocks, elastic3-blocks: with all blocks of W stored
  *   ell3-rest, ell3-flow     balls-rest, balls-flow with normals tilted by .3 and three unequal
  *                            inertias: ellipsoids
  *   poly2-rest, poly2-flow   discs that touch in two points each: polygons, normals tilted by .1
@@ -50,8 +50,14 @@ typedef struct regret_problem {
 int regret_create(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 void regret_free(regret_problem *a);
 
-/* The kinds; NULL past the last. */
+/* The kinds; NULL past the last. The first regret_listed are those of rigid.h but for the sizes,
+ * and the pairs of elastic bodies. */
+enum { regret_listed = 24 };
 const char *regret_kind(int index);
+
+/* Returns 1 for a pair of elastic bodies, which has at most regret_most_of_pair contacts. */
+enum { regret_most_of_pair = 2000 };
+int regret_is_pair(const char *kind);
 
 /* Returns the largest size that makes sense for a kind: dense W grow with its square. */
 int regret_most(const char *kind);
@@ -68,7 +74,7 @@ int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint
 /* regret_grains.c: ell3-rest to impact3, worn3-rest, drum3-sizes. */
 int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
-/* regret_elastic.c: ill2 to block2, box, feet, hand, asperities. */
+/* regret_elastic.c: elastic2 to elastic3-blocks, ill2 to block2, box, feet, hand, asperities. */
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
 /* regret_nets.c: cloth, cloth-stiff, rope, plates. */
@@ -80,13 +86,41 @@ int regret_room(regret_problem *a, int d, int nc);
 /* W = H^T H, q += H^T v. H: n x m. */
 void regret_multiply(regret_problem *a, int n, int m, const double *H, const double *v);
 
-/* Fills W (m x m, zeros) with `rank` eigenvalues from 1 to 1 / condition, spaced evenly in their
- * logarithm, and zeros. Returns 0, or -1 without memory. */
-int regret_spectrum(double *W, int m, int rank, double condition, uint64_t *state);
+/* What is hard in a planted problem. rank: half of the eigenvalues are 0, r is not determined, u
+ * is. border, d = 3: contacts in thirds: r = 0 and u = 0; |r_t| = mu r_n and u = 0; stick. bonded:
+ * mu = INFINITY for every second contact. */
+typedef enum planted_flaw { FLAW_NONE, FLAW_RANK, FLAW_BORDER, FLAW_BONDED, FLAWS } planted_flaw;
 
-/* Draws r and u (d each) of one contact that obey the laws: free, stick or slip, one in three each.
- */
-void regret_plant(int d, double mu, uint64_t *state, double *r, double *u);
+/* Makes a problem with a known answer: W = Q diag(eigenvalues) Q^T, Q from 30 reflections,
+ * eigenvalues from 1 to 1 / condition, spaced evenly in their logarithm; r and u that obey the laws
+ * are drawn first, free, stick or slip, one in three each, and q = u - W r. Returns 0, or -1. */
+int regret_planted(regret_problem *a, int d, int nc, double condition, double mu, planted_flaw flaw,
+                   uint64_t *state);
+
+/* Computes the block of two points of a half-space, G = 1, nu = .3, at (x, y) from each other; of a
+ * point with itself the mean over a square of side a. B: 3 x 3, columns by a normal and two
+ * tangential forces. Boussinesq's and Cerruti's solutions. */
+void regret_half_space(double x, double y, double a, double *B);
+
+/* Bodies and contacts while they are put up. root: M^-1/2, n a body; middle: 3 a body. */
+typedef struct yard {
+  regret_problem *a;
+  int d, n, bodies, contacts, most_bodies, most_contacts;
+  double mu, *root, *middle;
+  uint64_t state;
+} yard;
+
+/* Makes room for so many bodies and contacts; adds a body, and returns its number (inertia: 3, or 1
+ * for d = 2; v: n, velocities, then turning); adds a contact of a on b (-1: fixed) at x, the unit
+ * normal points to a; makes the problem, W by blocks. open, close: 0, or -1 without memory; close
+ * after a failed open, too. */
+int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts);
+int yard_body(yard *y, const double *middle, double mass, const double *inertia, const double *v);
+void yard_touch(yard *y, int a, int b, const double *x, const double *normal);
+int yard_close(yard *y);
+
+/* c := a x b. */
+void regret_cross(const double *a, const double *b, double *c);
 
 /* Sets q += H^T v and W by blocks of a->own: body, H, v, mu. q: zeros, or an addition to it. */
 int regret_assemble(regret_problem *a, int d, int nc, int bodies);

@@ -9,11 +9,6 @@
 static const struct band { int least, most; /* contacts */ } bands[] = {{16, 100}, {101, 4000}};
 enum { band_count = sizeof bands / sizeof bands[0], worst_shown = 2 };
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Prints the command that solves a problem again. */
 static void print_command(FILE *page, const result *r) {
   if (r->size)
@@ -47,8 +42,7 @@ static figures figures_of(int count, const result *results, const struct band *b
     if (isfinite(r->automatic)) x[f.count++] = regret_of(r);
   }
   if (f.count == 0) return f;
-  qsort(x, (size_t)f.count, sizeof *x, ascending);
-  f.median = (x[(f.count - 1) / 2] + x[f.count / 2]) / 2;
+  f.median = bench_median((size_t)f.count, x);
   f.tenths = x[(int)ceil(0.9 * f.count) - 1];
   f.worst = x[f.count - 1];
   return f;

@@ -6,73 +6,28 @@
 #include "common.h"
 #include "regret.h"
 
-/* A method, or a step of auto; most: contacts in 2D and 3D beyond which it is not tried. */
-typedef struct own_method {
-  const char *name, *method, *acceleration;
-  int most[2];
-  const char *step; /* the plan of auto; NULL: its own */
-} own_method;
-
-static const own_method automatic = {"auto", "auto", "none", {1000000, 1000000}, NULL};
+static const own_method automatic = {"auto", "auto", "none", .most = {1000000, 1000000}};
 static const own_method own[] = {
-    {"momentum", "nlgs", "momentum", {1000000, 1000000}, NULL},
-    {"anderson", "nlgs", "anderson", {1000000, 1000000}, NULL},
-    {"newton", "newton", "none", {1000000, 1000000}, NULL},
-    {"nlgs", "nlgs", "none", {1000000, 1000000}, NULL},
-    {"admm", "admm", "none", {1000000, 1000000}, NULL},
-    {"lemke", "lemke", "none", {300, 60}, NULL},
-    {"augmented", "augmented-lagrangian", "none", {1000000, 1000000}, NULL},
-    {"homotopy", "homotopy", "none", {150, 100}, NULL},
-    {"convex", "auto", "none", {1000000, 1000000}, "convex"},
-    {"splitting", "auto", "none", {2000, 2000}, "splitting"},
-    {"cold-splitting", "auto", "none", {2000, 2000}, "cold-splitting"},
-    {"near-splitting", "auto", "none", {2000, 2000}, "near-splitting"},
-    {"scatter", "auto", "none", {150, 100}, "scatter"}};
-enum { own_count = sizeof own / sizeof own[0], all_sweeps = 100000000 };
+    {"momentum", "nlgs", "momentum", .most = {1000000, 1000000}},
+    {"anderson", "nlgs", "anderson", .most = {1000000, 1000000}},
+    {"newton", "newton", "none", .most = {1000000, 1000000}},
+    {"nlgs", "nlgs", "none", .most = {1000000, 1000000}},
+    {"admm", "admm", "none", .most = {1000000, 1000000}},
+    {"lemke", "lemke", "none", .most = {300, 60}},
+    {"augmented", "augmented-lagrangian", "none", .most = {1000000, 1000000}},
+    {"homotopy", "homotopy", "none", .most = {150, 100}},
+    {"convex", "auto", "none", .most = {1000000, 1000000}, .step = "convex"},
+    {"splitting", "auto", "none", .most = {2000, 2000}, .step = "splitting"},
+    {"cold-splitting", "auto", "none", .most = {2000, 2000}, .step = "cold-splitting"},
+    {"near-splitting", "auto", "none", .most = {2000, 2000}, .step = "near-splitting"},
+    {"scatter", "auto", "none", .most = {150, 100}, .step = "scatter"}};
+enum { own_count = sizeof own / sizeof own[0] };
 
 static const double least_limit = 0.02;  /* s: below, a limit would measure the clock */
 static const double beside_auto = 2;     /* a method slower than so many times auto is stopped */
 static const double hopeless = 20;       /* auto is stopped at so many times the best method */
 static const double peer_overhead = 0.1; /* s: the peer's child converts W first */
 static const double shown_from = 1.3;    /* regret from which the stages are kept */
-
-/* A method under a limit, as a solve_fn sees it. */
-typedef struct attempt {
-  const own_method *w;
-  double limit;
-  int info;
-} attempt;
-
-static void fill_settings(dls_solver_settings *settings, const own_method *w,
-                          const dls_contact *problem, double tol, double limit) {
-  dls_solver_settings_init(settings);
-  settings->limits.tol = tol;
-  settings->limits.cpu_seconds = limit;
-  if (problem->Wb.x) settings->limits.blocks = problem->Wb.p[problem->nc];
-  if (!dls_method_find(w->method, &settings->method) ||
-      !dls_acceleration_find(w->acceleration, &settings->acceleration))
-    abort(); /* a name in the table above is wrong */
-  settings->plan = w->step;
-  if (settings->method == DLS_NLGS) settings->limits.max_iterations = all_sweeps;
-}
-
-static void solve_within(const void *how, const scene *s, double tol, int calls, double *r,
-                         outcome *o) {
-  const attempt *a = how;
-  dls_solver_settings settings;
-  dls_solver *solver = NULL;
-  dls_info info;
-  fill_settings(&settings, a->w, &s->contact, tol, a->limit);
-  dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
-  const double start = bench_seconds();
-  for (int k = 0; k < calls && status >= 0; k++)
-    status = dls_solver_solve(solver, &s->contact, r, NULL, a->info ? &info : NULL, NULL);
-  o->cpu = (bench_seconds() - start) / calls;
-  dls_solver_destroy(solver);
-  o->ended = status < 0 ? REFUSED : ENDED;
-  o->claim = (int)status;
-  o->iterations = -1;
-}
 
 static double cpu_of(const outcome *o, double tol) {
   const dls_status verdict = dls_certificate_verdict(&o->certificate, tol);
@@ -91,8 +46,10 @@ static void print_attempt(const char *name, const char *setting, const outcome *
 }
 
 static outcome try_own(const own_method *w, const scene *s, double tol, double limit, int info) {
-  const attempt a = {w, limit, info};
-  return measure(s, solve_within, &a, tol, 1.5 * limit + 0.1);
+  own_method a = *w;
+  a.limit = limit;
+  a.no_info = !info;
+  return measure(s, own_solve, &a, tol, 1.5 * limit + 0.1);
 }
 
 /* Runs one setting of the peer down its own tolerances until the answer is certified. */
@@ -137,7 +94,7 @@ void regret_solve(const scene *s, double tol, const regret_how *how, result *r) 
   r->method = r->peer_method = "";
   r->best = r->peer = INFINITY;
   outcome o = try_own(&automatic, s, tol, r->limit, how->info);
-  r->status = (dls_status)o.claim;
+  r->status = o.status;
   r->automatic = cpu_of(&o, tol);
   if (all) print_attempt("auto", "", &o, tol);
   for (int k = 0; k < own_count; k++) {
@@ -210,7 +167,8 @@ dls_status regret_stages(const dls_contact *problem, double tol, double limit, c
   dls_status status = DLS_E_MEMORY;
   char line[96];
   text[0] = 0;
-  fill_settings(&settings, &automatic, problem, tol, limit);
+  own_settings(&settings, &automatic, problem, tol);
+  settings.limits.cpu_seconds = limit;
   settings.limits.progress = note_progress;
   settings.limits.progress_data = j;
   if (j && r) status = dls_solve(problem, &settings, r, NULL, NULL, NULL);

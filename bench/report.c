@@ -163,14 +163,9 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
 
 int main(int argc, char **argv) {
   if (!bench_options(argc, argv, "[--out DIR] [--cpu SECONDS] [--scene NAME]")) return 2;
-  const char *out = "bench/results", *only[16];
-  int count = 0;
-  double cpu = 33;
-  for (int k = 1; k + 1 < argc; k += 2) {
-    if (!strcmp(argv[k], "--out")) out = argv[k + 1];
-    if (!strcmp(argv[k], "--cpu")) cpu = strtod(argv[k + 1], NULL);
-    if (!strcmp(argv[k], "--scene") && count < 16) only[count++] = argv[k + 1];
-  }
+  const char *out = bench_word(argc, argv, "--out", "bench/results");
+  const double cpu = bench_number(argc, argv, "--cpu", 33);
+  const int all = !bench_has(argc, argv, "--scene");
   FILE *to = bench_page(out, "report", "The setting that delassus report advises", argc, argv);
   if (!to) return 1;
   tally sum = {0};
@@ -182,10 +177,10 @@ int main(int argc, char **argv) {
           "the report estimates.\n\n"
           "| scene | accuracy | advised | error | CPU s | over the cheapest | estimated |\n"
           "|---|---|---|---|---|---|---|\n");
-  for (int k = 0; scene_name(k) && !count; k++)
+  for (int k = 0; scene_name(k) && all; k++)
     bench_scene(to, scene_name(k), cpu, &sum);
-  for (int k = 0; k < count; k++)
-    bench_scene(to, only[k], cpu, &sum);
+  for (int k = 1; k + 1 < argc; k += 2)
+    if (strcmp(argv[k], "--scene") == 0) bench_scene(to, argv[k + 1], cpu, &sum);
   bench_print(
       to,
       "\n%d pairs: %d met, %d missed, %d whose reference stops, %d not decided within %g s of "

@@ -5,8 +5,8 @@
  *   scale [--kind KIND] [--sizes N,N,..] [--tol TOL] [--seed S] [--seeds COUNT] [--limit SECONDS]
  *         [--mu MU] [--bodies] [--no-peer] [--only METHOD,..] [--out DIR]
  *
- *   --kind    one of tests/shared/rigid.h or scale_elastic.h, or the beginning of its name; all. In
- *             full also sizes2-flow, sizes3-flow and those of regret_kinds.h
+ *   --kind    one of the first 24 of regret_kinds.c, or the beginning of its name; all. In full
+ *             also the others
  *   --seeds   so many seeds: S, S + 2, ..
  *   --mu      friction; .5
  *   --bodies  kinds of rigid.h as bodies, W = H^T H, not by blocks; without the peer
@@ -39,42 +39,15 @@ typedef struct plan {
   FILE *page, *csv;
 } plan;
 
-typedef struct own_method {
-  const char *name, *method, *acceleration;
-  int most; /* candidates beyond which it is not tried */
-} own_method;
-
+enum { all = 1000000 };
 static const own_method own[] = {
-    {"auto", "auto", "none", 1000000},         {"nlgs", "nlgs", "none", 1000000},
-    {"momentum", "nlgs", "momentum", 1000000}, {"anderson", "nlgs", "anderson", 20000},
-    {"admm", "admm", "none", 20000},           {"augmented", "augmented-lagrangian", "none", 5000}};
+    {"auto", "auto", "none", .most = {all, all}},
+    {"nlgs", "nlgs", "none", .most = {all, all}},
+    {"momentum", "nlgs", "momentum", .most = {all, all}},
+    {"anderson", "nlgs", "anderson", .most = {20000, 20000}},
+    {"admm", "admm", "none", .most = {20000, 20000}},
+    {"augmented", "augmented-lagrangian", "none", .most = {5000, 5000}}};
 enum { own_count = sizeof own / sizeof own[0] };
-
-static void own_solve(const void *how, const scene *s, double tol, int calls, double *r,
-                      outcome *o) {
-  const own_method *w = how;
-  dls_solver_settings settings;
-  dls_solver *solver = NULL;
-  dls_info info = {.iterations = -1};
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = tol;
-  if (s->contact.Wb.x) settings.limits.blocks = s->contact.Wb.p[s->contact.nc];
-  if (!dls_method_find(w->method, &settings.method) ||
-      !dls_acceleration_find(w->acceleration, &settings.acceleration)) {
-    o->ended = REFUSED;
-    return;
-  }
-  if (settings.method == DLS_NLGS) settings.limits.max_iterations = 100000000;
-  dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
-  const double start = bench_seconds();
-  for (int k = 0; k < calls && status >= 0; k++)
-    status = dls_solver_solve(solver, &s->contact, r, NULL, &info, NULL);
-  o->cpu = (bench_seconds() - start) / calls;
-  dls_solver_destroy(solver);
-  o->ended = status < 0 ? REFUSED : ENDED;
-  o->claim = status == DLS_OK;
-  o->iterations = info.iterations;
-}
 
 /* Prints a cell of the table and returns the time, INFINITY if the target was not met. */
 static double print_cell(FILE *page, const outcome *o, double tol) {
@@ -143,7 +116,7 @@ static double run_problem(const plan *p, FILE *page, const char *kind, const dls
   bench_print(page, "| %s | %lu | %d |", kind, seed, problem->nc);
   for (int k = 0; k < own_count; k++) {
     if (!is_wanted(p, own[k].name)) continue;
-    if (problem->nc > own[k].most) {
+    if (problem->nc > own[k].most[0]) {
       bench_print(page, " |");
       continue;
     }
@@ -169,38 +142,21 @@ static double run_problem(const plan *p, FILE *page, const char *kind, const dls
   return automatic;
 }
 
-/* Where the generator of a kind is: rigid.h, scale_elastic.h, or unknown: rigid.h or
- * regret_kinds.h. */
-typedef enum source { RIGID, ELASTIC, OTHER } source;
-
-/* Makes a problem. Returns -1 for an unknown kind or without memory. */
-static int create_problem(const plan *p, regret_problem *a, const char *kind, source of, int size,
-                          unsigned long seed) {
-  *a = (regret_problem){0};
-  if (of == ELASTIC) {
-    const int bad = elastic_create(&a->pair, kind, size, p->mu, seed);
-    a->contact = a->pair.contact;
-    return bad;
-  }
-  const int bad = rigid_create(&a->bodies, kind, size, p->mu, seed);
-  a->contact = p->bodies ? a->bodies.factored : a->bodies.contact;
-  return bad && of == OTHER ? regret_create(a, kind, size, p->mu, seed) : bad;
-}
-
-static void run_kind(const plan *p, const char *kind, source of) {
+static void run_kind(const plan *p, const char *kind) {
   double sum[5] = {0}; /* 1, x, y, x x, x y */
   double worst = NAN;
   int count = p->size_count, tried = 0;
-  while (of == ELASTIC && count > 0 && p->sizes[count - 1] > elastic_most)
+  while (regret_is_pair(kind) && count > 0 && p->sizes[count - 1] > regret_most_of_pair)
     count--;
   for (int k = 0; k < count; k++)
     for (int s = 0; s < p->seeds; s++) {
       regret_problem a;
       const unsigned long seed = p->seed + 2 * (unsigned long)s;
-      if (create_problem(p, &a, kind, of, p->sizes[k], seed)) {
+      if (regret_create(&a, kind, p->sizes[k], p->mu, seed)) {
         fprintf(stderr, "%s: unknown, or out of memory\n", kind);
         continue;
       }
+      if (p->bodies) a.contact = a.bodies.factored;
       FILE *page = k == count - 1 ? p->page : NULL;
       const double x = log(a.contact.nc),
                    y = log(run_problem(p, page, kind, &a.contact, seed, &worst));
@@ -221,57 +177,24 @@ static void run_kind(const plan *p, const char *kind, source of) {
     }
 }
 
-static int read_options(int argc, char **argv, plan *p, const char **out) {
+int main(int argc, char **argv) {
   if (!bench_options(argc, argv,
                      "[--kind KIND] [--sizes N,N..] [--tol TOL] [--seed SEED] [--seeds N] "
                      "[--mu MU] [--limit SECONDS] [--only METHOD] [--no-peer] [--bodies] "
                      "[--out DIR]"))
-    return -1;
-  for (int k = 1; k < argc; k++) {
-    const char *value = k + 1 < argc ? argv[k + 1] : "";
-    const int bodies = strcmp(argv[k], "--bodies") == 0;
-    if (bodies || strcmp(argv[k], "--no-peer") == 0) {
-      p->no_peer = 1;
-      p->bodies |= bodies;
-      continue;
-    }
-    if (strcmp(argv[k], "--kind") == 0)
-      p->kind = value;
-    else if (strcmp(argv[k], "--tol") == 0)
-      p->tol = strtod(value, NULL);
-    else if (strcmp(argv[k], "--seed") == 0)
-      p->seed = strtoul(value, NULL, 10);
-    else if (strcmp(argv[k], "--seeds") == 0)
-      p->seeds = (int)strtol(value, NULL, 10);
-    else if (strcmp(argv[k], "--mu") == 0)
-      p->mu = strtod(value, NULL);
-    else if (strcmp(argv[k], "--limit") == 0)
-      p->limit = strtod(value, NULL);
-    else if (strcmp(argv[k], "--out") == 0)
-      *out = value;
-    else if (strcmp(argv[k], "--only") == 0)
-      p->only = value;
-    else if (strcmp(argv[k], "--sizes") == 0) {
-      char *next = argv[k + 1];
-      for (p->size_count = 0; next && *next && p->size_count < most_sizes; next += *next == ',')
-        p->sizes[p->size_count++] = (int)strtol(next, &next, 10);
-    }
-    k++;
-  }
-  return 0;
-}
-
-int main(int argc, char **argv) {
-  plan p = {.kind = "",
+    return 2;
+  plan p = {.kind = bench_word(argc, argv, "--kind", ""),
+            .only = bench_word(argc, argv, "--only", NULL),
             .sizes = {300, 2500, 20000, 100000},
-            .size_count = 4,
-            .seeds = 1,
-            .seed = 2,
-            .tol = 1e-4,
-            .limit = 60,
-            .mu = 0.5};
-  const char *out = "build";
-  if (read_options(argc, argv, &p, &out)) return 2;
+            .seeds = (int)bench_number(argc, argv, "--seeds", 1),
+            .seed = (unsigned long)bench_number(argc, argv, "--seed", 2),
+            .tol = bench_number(argc, argv, "--tol", 1e-4),
+            .limit = bench_number(argc, argv, "--limit", 60),
+            .mu = bench_number(argc, argv, "--mu", 0.5),
+            .bodies = bench_has(argc, argv, "--bodies")};
+  p.no_peer = p.bodies || bench_has(argc, argv, "--no-peer");
+  p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 4, most_sizes);
+  const char *out = bench_word(argc, argv, "--out", "build");
   p.page = bench_page(out, "scale", "Rigid and elastic bodies: time against size", argc, argv);
   p.csv = p.page ? bench_open(out, "scale.csv") : NULL;
   if (!p.csv) return 1;
@@ -289,12 +212,9 @@ int main(int argc, char **argv) {
     bench_print(p.page, "---|");
   bench_print(p.page, "\n");
   int known = 0;
-  for (int k = 0; rigid_kind(k); k++)
-    if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0)
-      run_kind(&p, rigid_kind(k), RIGID), known = 1;
-  for (int k = 0; elastic_kind(k); k++)
-    if (strncmp(elastic_kind(k), p.kind, strlen(p.kind)) == 0)
-      run_kind(&p, elastic_kind(k), ELASTIC), known = 1;
-  if (!known) run_kind(&p, p.kind, OTHER);
+  for (int k = 0; k < regret_listed; k++)
+    if (strncmp(regret_kind(k), p.kind, strlen(p.kind)) == 0)
+      run_kind(&p, regret_kind(k)), known = 1;
+  if (!known) run_kind(&p, p.kind);
   return fclose(p.page) + fclose(p.csv) ? 1 : 0;
 }

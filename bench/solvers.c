@@ -52,8 +52,6 @@ static const double first_step = 1e-3, last_step = 1e-16; /* of the ladder */
 /* Limits of an impatient run: multiples of the best of the same side; s. */
 static const double hopeless_own = 10, hopeless_peer = 3, patience = 0.2;
 
-enum { pivoting_candidates_2d = 400, pivoting_candidates_3d = 60 };
-
 typedef struct plan {
   int full, patient;
   const char *set, *method; /* NULL for all */
@@ -65,88 +63,17 @@ typedef struct plan {
 
 /* ---- delassus -------------------------------------------------------------------------------- */
 
-typedef struct own_method {
-  const char *name, *method, *acceleration;
-} own_method;
+enum { pivoting_2d = 400, pivoting_3d = 60, any = 1 << 30 }; /* contacts */
 
 static const own_method own[] = {
-    {"auto", "auto", "none"},     {"nlgs-anderson", "nlgs", "anderson"},
-    {"newton", "newton", "none"}, {"admm", "admm", "none"},
-    {"nlgs", "nlgs", "none"},     {"augmented-lagrangian", "augmented-lagrangian", "none"},
-    {"lemke", "lemke", "none"}};
+    {"auto", "auto", "none", .most = {any, any}, .setup = 1},
+    {"nlgs-anderson", "nlgs", "anderson", .most = {any, any}, .setup = 1},
+    {"newton", "newton", "none", .most = {any, any}, .setup = 1},
+    {"admm", "admm", "none", .most = {any, any}, .setup = 1},
+    {"nlgs", "nlgs", "none", .most = {any, any}, .setup = 1},
+    {"augmented-lagrangian", "augmented-lagrangian", "none", .most = {any, any}, .setup = 1},
+    {"lemke", "lemke", "none", .most = {pivoting_2d, pivoting_3d}, .setup = 1}};
 enum { own_count = sizeof own / sizeof own[0] };
-
-static int own_takes(const own_method *w, const scene *s) {
-  dls_method method;
-  const int most = s->contact.d == 2 ? pivoting_candidates_2d : pivoting_candidates_3d;
-  return dls_method_find(w->method, &method) &&
-         !(strcmp(w->name, "lemke") == 0 && s->contact.nc > most);
-}
-
-/* Reduces a global problem, which counts as part of the solve. */
-static dls_status own_reduce(const scene *s, dls_reduction **reduction, dls_contact *contact) {
-  dls_status status = bench_reduce(reduction, s->model, NULL);
-  if (!status) status = dls_reduction_load(*reduction, s->f, s->g, NULL);
-  if (!status) status = dls_reduction_contact(*reduction, s->contact.mu, contact, NULL);
-  return status;
-}
-
-/* Solves once from r = 0, by the solver, or by dls_solve where solver is NULL. */
-static dls_status own_call(const scene *s, dls_solver *solver, const dls_solver_settings *settings,
-                           double *r, dls_info *info) {
-  dls_reduction *reduction = NULL;
-  dls_contact reduced;
-  const dls_contact *contact = s->model ? &reduced : &s->contact;
-  dls_status status = s->model ? own_reduce(s, &reduction, &reduced) : DLS_OK;
-  memset(r, 0, (size_t)s->contact.d * (size_t)s->contact.nc * sizeof *r);
-  if (!status)
-    status = solver ? dls_solver_solve(solver, contact, r, NULL, info, NULL)
-                    : dls_solve(contact, settings, r, NULL, info, NULL);
-  if (s->model) dls_reduction_destroy(reduction);
-  return status;
-}
-
-static dls_status own_calls(const scene *s, dls_solver *solver, const dls_solver_settings *settings,
-                            int calls, double *r, dls_info *info, double *cpu) {
-  dls_status status = DLS_OK;
-  const double start = bench_seconds();
-  for (int k = 0; k < calls && status >= 0; k++)
-    status = own_call(s, solver, settings, r, info);
-  *cpu = (bench_seconds() - start) / calls;
-  return status;
-}
-
-/* Times a method of delassus. setup: of short calls the time by which dls_solve exceeds the solve
- * on a solver that is there already, else that of creating and destroying the solver. */
-static void own_solve(const void *how, const scene *s, double tol, int calls, double *r,
-                      outcome *o) {
-  const own_method *w = how;
-  dls_solver_settings settings;
-  dls_solver *solver = NULL;
-  dls_info info = {.iterations = -1};
-  dls_solver_settings_init(&settings);
-  dls_method_find(w->method, &settings.method);
-  dls_acceleration_find(w->acceleration, &settings.acceleration);
-  settings.limits.tol = tol;
-  settings.limits.blocks = s->contact.W.a ? 0 : s->contact.Wb.p[s->contact.nc];
-  if (settings.method == DLS_NLGS)
-    settings.limits.max_iterations = 100000000; /* the CPU limit ends it */
-  const double start = bench_seconds();
-  dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
-  const double created = bench_seconds();
-  if (!status) status = own_calls(s, solver, &settings, calls, r, &info, &o->cpu);
-  const double solved = bench_seconds();
-  dls_solver_destroy(solver);
-  o->setup = created - start + bench_seconds() - solved;
-  if (calls > 1 && status >= 0) {
-    double single;
-    status = own_calls(s, NULL, &settings, calls, r, &info, &single);
-    o->setup = single - o->cpu;
-  }
-  o->ended = status < 0 ? REFUSED : ENDED;
-  o->claim = status == DLS_OK;
-  o->iterations = info.iterations;
-}
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
@@ -284,7 +211,8 @@ static void run_scene(void *data, const scene *s) {
   leaders best = {{{.status = NOT_RUN}}};
   report_scene(p->out, s);
   for (int k = 0; k < own_count; k++)
-    if (wanted(p, own[k].name) && own_takes(&own[k], s)) run_own(p, &own[k], s, best);
+    if (wanted(p, own[k].name) && s->contact.nc <= own[k].most[s->contact.d == 3])
+      run_own(p, &own[k], s, best);
   const peer_method *w;
   for (int k = 0; (w = peer_at(k)); k++)
     if (wanted(p, peer_name(w)) && peer_takes(w, s, p->patient)) run_peer(p, w, s, best);
@@ -293,39 +221,6 @@ static void run_scene(void *data, const scene *s) {
 }
 
 /* ---- program --------------------------------------------------------------------------------- */
-
-static int print_usage(void) {
-  fputs("usage: solvers [--full] [--patient] [--dir DIR] [--set fclib|block|cube|wall]\n"
-        "               [--method NAME] [--limit SECONDS] [--out DIR]\n",
-        stderr);
-  return 2;
-}
-
-/* Returns 1, or 0 for bad options. */
-static int parse_plan(int argc, char **argv, plan *p) {
-  for (int k = 1; k < argc; k++) {
-    if (!strcmp(argv[k], "--full") || !strcmp(argv[k], "--patient")) {
-      *(argv[k][2] == 'f' ? &p->full : &p->patient) = 1;
-      continue;
-    }
-    if (k + 1 == argc) return 0;
-    const char *option = argv[k], *value = argv[++k];
-    if (!strcmp(option, "--dir"))
-      p->files = value;
-    else if (!strcmp(option, "--set"))
-      p->set = value;
-    else if (!strcmp(option, "--method"))
-      p->method = value;
-    else if (!strcmp(option, "--limit"))
-      p->limit = strtod(value, NULL);
-    else if (!strcmp(option, "--out"))
-      p->directory = value;
-    else
-      return 0;
-  }
-  if (p->limit == 0) p->limit = p->patient ? 20 : 3;
-  return p->limit > 0;
-}
 
 static int runs(const plan *p, const char *set) {
   return !p->set || strcmp(p->set, set) == 0;
@@ -338,9 +233,18 @@ static void one_thread(char **argv) {
 }
 
 int main(int argc, char **argv) {
-  plan p = {.files = "data/fclib", .directory = "bench/results"};
   one_thread(argv);
-  if (!parse_plan(argc, argv, &p)) return print_usage();
+  if (!bench_options(argc, argv,
+                     "[--full] [--patient] [--dir DIR] [--set SET] [--method NAME] "
+                     "[--limit SECONDS] [--out DIR]"))
+    return 2;
+  plan p = {.full = bench_has(argc, argv, "--full"),
+            .patient = bench_has(argc, argv, "--patient"),
+            .files = bench_word(argc, argv, "--dir", "data/fclib"),
+            .set = bench_word(argc, argv, "--set", NULL),
+            .method = bench_word(argc, argv, "--method", NULL),
+            .directory = bench_word(argc, argv, "--out", "bench/results")};
+  p.limit = bench_number(argc, argv, "--limit", p.patient ? 20 : 3);
   p.out = report_open(p.directory, argc, argv);
   if (!p.out) return 1;
   int status = 0;

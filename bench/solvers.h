@@ -19,11 +19,12 @@ typedef enum ending {
 
 typedef struct outcome {
   ending ended;
-  int claim;      /* the solver says "solved" */
-  int iterations; /* as the solver counts them; -1 for unknown */
-  int calls;      /* between two readings of the clock */
-  double cpu;     /* of a solve, s; the smallest of several readings if that is short */
-  double setup;   /* of what goes with each call but is not the solve: creating, destroying */
+  int claim;         /* the solver says "solved" */
+  dls_status status; /* of a method of delassus */
+  int iterations;    /* as the solver counts them; -1 for unknown */
+  int calls;         /* between two readings of the clock */
+  double cpu;        /* of a solve, s; the smallest of several readings if that is short */
+  double setup;      /* of what goes with each call but is not the solve: creating, destroying */
   dls_certificate certificate; /* of the answer; INFINITY without one, or for NaN */
 } outcome;
 
@@ -35,6 +36,26 @@ typedef void (*solve_fn)(const void *how, const scene *s, double tol, int calls,
 /* Runs solve() in a child process that is stopped after `limit` seconds of CPU, and certifies the
  * answer. */
 outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit);
+
+/* ---- delassus (solvers_own.c) ---------------------------------------------------------------- */
+
+/* A method, or a step of auto. */
+typedef struct own_method {
+  const char *name, *method, *acceleration;
+  int most[2];      /* contacts in 2D and 3D beyond which it is not tried */
+  const char *step; /* the plan of auto; NULL: its own */
+  double limit;     /* CPU seconds; 0: none */
+  int no_info;      /* 1: without a dls_info */
+  int setup;        /* 1: outcome.setup of short calls is what dls_solve takes beyond the solve on a
+                       solver that is there already; else: creating and destroying */
+} own_method;
+
+/* Solves by the own_method `how`: a solve_fn. A global problem is reduced within each call. */
+void own_solve(const void *how, const scene *s, double tol, int calls, double *r, outcome *o);
+
+/* Fills the settings of a method for a problem; sweeps have no limit of iterations. */
+void own_settings(dls_solver_settings *settings, const own_method *w, const dls_contact *problem,
+                  double tol);
 
 /* ---- the peer (solvers_peer.c) --------------------------------------------------------------- */
 

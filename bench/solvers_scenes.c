@@ -23,7 +23,7 @@
  * 4.5: W is ill-conditioned, as the block rests on that node and on the contacts. Triangles
  * (src/fe) in 2D, 16 to 128 candidates; hexahedra with eight nodes in 3D, 6, 12 and 18 elements a
  * side (49 to 361 contacts), with --full also 24 (625). mu = 0.3 and 1 (18 a side: 0.3), with
- * --full 0.1 to 2. bench/auto has cubes of other ratios of Poisson, frictions drawn.
+ * --full 0.1 to 2. bench/regret has cubes of other ratios of Poisson, frictions drawn.
  *
  * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
  * of every other row; two contacts for each pair of faces that touch, 20 to 336 of them; mu is
@@ -39,6 +39,8 @@
 
 #include "common.h"
 #include "delassus/fe.h"
+#include "reduction_boxes.h"
+#include "regret_kinds.h"
 #include "solvers_scenes.h"
 
 void dpotrf_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
@@ -345,41 +347,15 @@ int scenes_blocks(int full, scene_fn visit, void *data) {
 
 /* ---- hexahedra ------------------------------------------------------------------------------- */
 
-/* Integrates K (24 x 24) of a cube of side a by 2 x 2 x 2 Gauss points: with the gradients g of the
- * shape functions, block (i, j) is the sum of l g_i g_j^T + G g_j g_i^T + G (g_i . g_j) I times
- * a^3/8. Node i stands at the corner of the bits of i. */
-static void hexahedron(double a, double nu, double *K) {
-  const double l = E * nu / ((1 + nu) * (1 - 2 * nu)), G = E / (2 * (1 + nu));
-  memset(K, 0, 24 * 24 * sizeof *K);
-  for (int point = 0; point < 8; point++) {
-    double g[8][3];
-    for (int i = 0; i < 8; i++)
-      for (int p = 0; p < 3; p++) {
-        g[i][p] = 0.25 / a; /* 2/a * 1/8 * product */
-        for (int s = 0; s < 3; s++) {
-          const double side = i >> s & 1 ? 1 : -1;
-          const double x = (point >> s & 1 ? 1 : -1) / sqrt(3);
-          g[i][p] *= s == p ? side : 1 + side * x;
-        }
-      }
-    for (int i = 0; i < 24; i++)
-      for (int j = 0; j < 24; j++) {
-        const double *gi = g[i / 3], *gj = g[j / 3];
-        const int p = i % 3, q = j % 3;
-        double k = l * gi[p] * gj[q] + G * gi[q] * gj[p];
-        if (p == q) k += G * (gi[0] * gj[0] + gi[1] * gj[1] + gi[2] * gj[2]);
-        K[i + 24 * j] += k * a * a * a / 8;
-      }
-  }
-}
-
 /* Makes a cube of n x n x n hexahedra, glued at the top, a candidate at each node of the bottom. */
 static int block_of_hexahedra(elastic *k, int n, double nu) {
   const int nodes = (n + 1) * (n + 1), b = 3 * nodes;
   const size_t B = (size_t)b;
-  double K[24 * 24], *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B);
+  double corner[24], K[24 * 24], *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B);
   int info = !S || !Z || !h || block_create(k, 3, nodes);
-  hexahedron(1.0 / n, nu, K);
+  for (int i = 0; i < 24; i++)
+    corner[i] = (i / 3 >> i % 3 & 1) / (double)n;
+  box_element(3, corner, nu, K);
   for (int e = 0; !info && e < n * n; e++) {
     size_t unknown[24];
     for (int i = 0; i < 24; i++) {
@@ -439,117 +415,61 @@ int scenes_cubes_of(double nu, unsigned seed, scene_fn visit, void *data) {
 
 /* ---- walls ----------------------------------------------------------------------------------- */
 
-typedef struct brick {
-  double x, y, mass, inertia; /* of its middle; about it */
-} brick;
-
-typedef struct touch {
-  int upper, lower; /* bricks; lower = -1: the floor */
-  double x, y;
-} touch;
-
 static const double length = 2, height = 1;
 
-/* Lays the bricks of a row from left to right. Returns how many. */
-static int lay_row(int row, int width, brick *bricks) {
+/* Lays the bricks of a row from left to right. */
+static void lay_row(yard *y, int row, int width) {
   const int half = row % 2, count = width + half;
   for (int i = 0; i < count; i++) {
     const int cut = half && (i == 0 || i == count - 1);
-    const double w = cut ? length / 2 : length;
+    const double w = cut ? length / 2 : length, mass = w * height;
     const double left = i == 0 ? 0 : length * i - (half ? length / 2 : 0);
-    bricks[i] = (brick){left + w / 2, height * (row + 0.5), w * height,
-                        w * height * (w * w + height * height) / 12};
+    const double inertia = mass * (w * w + height * height) / 12, still[3] = {0};
+    const double middle[3] = {left + w / 2, height * (row + 0.5), 0};
+    (void)yard_body(y, middle, mass, &inertia, still);
   }
-  return count;
 }
 
 /* Lays two candidates on every stretch, half a brick long, where a brick of this row stands on one
- * below or on the floor. Returns how many. */
-static int touch_row(int row, int width, int first, int below, touch *touches) {
-  int count = 0;
+ * below or on the floor. */
+static void touch_row(yard *y, int row, int width, int first, int below) {
   const int stretches = row ? 2 * width : width;
-  const double w = row ? length / 2 : length;
+  const double w = row ? length / 2 : length, up[3] = {0, 1, 0};
   for (int i = 0; i < stretches; i++) {
     const int even = i / 2, odd = (i + 1) / 2; /* the brick over stretch i of an even, an odd row */
     const int upper = first + (!row ? i : row % 2 ? odd : even);
     const int lower = !row ? -1 : below + (row % 2 ? even : odd);
-    for (int end = 0; end < 2; end++)
-      touches[count++] = (touch){upper, lower, w * (i + end), height * row};
+    for (int end = 0; end < 2; end++) {
+      const double x[3] = {w * (i + end), height * row, 0};
+      yard_touch(y, upper, lower, x, up);
+    }
   }
-  return count;
-}
-
-/* Computes rows n and t of u at (x, y) for the motion (v_x, v_y, turn) of a brick. */
-static void lever(const brick *b, const touch *c, double G[2][3]) {
-  const double rows[2][3] = {{0, 1, c->x - b->x}, {1, 0, b->y - c->y}};
-  memcpy(G, rows, sizeof rows);
-}
-
-/* Adds (SS3) of two candidates by way of one brick. block: 2 x 2, column-major. */
-static void add_flexibility(const brick *b, const touch *c, const touch *e, double sign,
-                            double *block) {
-  double G[2][3], F[2][3];
-  lever(b, c, G);
-  lever(b, e, F);
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 2; j++)
-      block[i + 2 * j] += sign * ((G[i][0] * F[j][0] + G[i][1] * F[j][1]) / b->mass +
-                                  G[i][2] * F[j][2] / b->inertia);
-}
-
-/* Computes the block of candidates c and e. Returns 0 if they have no brick in common. */
-static int wall_couple(const brick *bricks, const touch *c, const touch *e, double *block) {
-  int coupled = 0;
-  memset(block, 0, 4 * sizeof *block);
-  for (int k = 0; k < 4; k++) {
-    const int a = k / 2 ? c->lower : c->upper, b = k % 2 ? e->lower : e->upper;
-    if (a != b || a < 0) continue;
-    add_flexibility(&bricks[a], c, e, k / 2 == k % 2 ? 1 : -1, block);
-    coupled = 1;
-  }
-  return coupled;
 }
 
 static int visit_wall(int full, int rows, int width, scene_fn visit, void *data) {
   static const double mus[] = {0.3, 1, 8, 0.6, 3}, pushes[] = {0, 0.3};
-  const size_t most = 4 * (size_t)rows * (size_t)width;
-  brick *bricks = calloc(2 * most, sizeof *bricks);
-  touch *touches = calloc(most, sizeof *touches);
-  int *p = calloc(most + 1, sizeof *p), *i = calloc(most * most, sizeof *i);
-  double *x = zeros(4 * most * most), *q = zeros(2 * most), *mu = zeros(most);
-  const int bad = !bricks || !touches || !p || !i || !x || !q || !mu;
-  int nc = 0, first = 0, below = 0;
+  regret_problem a = {0};
+  yard y = {0};
+  int bad = yard_open(&y, &a, 2, rows * (width + 1), 2 * rows * 2 * width), below = 0;
   for (int row = 0; row < rows && !bad; row++) {
-    const int count = lay_row(row, width, bricks + first);
-    nc += touch_row(row, width, first, below, touches + nc);
+    const int first = y.bodies;
+    lay_row(&y, row, width);
+    touch_row(&y, row, width, first, below);
     below = first;
-    first += count;
   }
-  for (int c = 0; c < nc; c++) {
-    p[c + 1] = p[c];
-    for (int e = 0; e < nc; e++)
-      if (wall_couple(bricks, &touches[e], &touches[c], x + 4 * (size_t)p[c + 1]))
-        i[p[c + 1]++] = e;
-  }
-  for (int push = 0; push < 2 && !bad; push++)
-    for (int k = 0; k < (full ? 5 : 3); k++) {
-      for (int c = 0; c < nc; c++) { /* only the floor does not fall */
-        q[2 * c] = touches[c].lower < 0 ? -1 : 0;
-        q[2 * c + 1] = touches[c].lower < 0 ? pushes[push] : 0;
-        mu[c] = mus[k];
-      }
-      scene s = {.set = "wall",
-                 .contact = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = q, .mu = mu}};
-      snprintf(s.name, sizeof s.name, "wall-%dx%d-push%g-mu%g", rows, width, pushes[push], mus[k]);
-      visit(data, &s);
+  bad = bad || yard_close(&y);
+  for (int k = 0; k < (full ? 10 : 6) && !bad; k++) {
+    const double push = pushes[k / (full ? 5 : 3)], mu = mus[k % (full ? 5 : 3)];
+    for (int c = 0; c < a.contact.nc; c++) { /* only the floor does not fall */
+      a.own.q[2 * c] = a.own.body[2 * c + 1] < 0 ? -1 : 0;
+      a.own.q[2 * c + 1] = a.own.body[2 * c + 1] < 0 ? push : 0;
+      a.own.mu[c] = mu;
     }
-  free(bricks);
-  free(touches);
-  free(p);
-  free(i);
-  free(x);
-  free(q);
-  free(mu);
+    scene s = {.set = "wall", .contact = a.contact};
+    snprintf(s.name, sizeof s.name, "wall-%dx%d-push%g-mu%g", rows, width, push, mu);
+    visit(data, &s);
+  }
+  regret_free(&a);
   return bad ? out_of_memory() : 0;
 }
 
@@ -563,11 +483,11 @@ int scenes_walls(int full, scene_fn visit, void *data) {
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-int scenes_random(int k, int nc, scene_fn visit, void *data) {
+int scenes_random(int k, int nc, int rows, scene_fn visit, void *data) {
   uint64_t seed = 2 * (uint64_t)k + 2;
   scene s = {.set = "random"};
   const int d = 1 + k % 3;
-  if (!nc) nc = 1 + (int)((bench_draw(&seed) + 1) / 2 * (300 / d));
+  if (!nc) nc = 1 + (int)((bench_draw(&seed) + 1) / 2 * (rows / d));
   const int n = d * nc;
   const size_t m = (size_t)n;
   const double over = 1 / (double)m, zero = 0;

@@ -28,8 +28,8 @@ int scenes_walls(int full, scene_fn visit, void *data);
 int scenes_cubes_of(double nu, unsigned seed, scene_fn visit, void *data);
 
 /* Visits random problem k: d = 1 + k % 3, W = A A^T / m + shift I with shift 0.1 or 0.001, entries
- * of A drawn; nc contacts, or nc = 0: drawn, 1 to 300 rows.
+ * of A drawn; nc contacts, or nc = 0: drawn, 1 to `rows` rows.
  * Even seeds. Returns as the others do. */
-int scenes_random(int k, int nc, scene_fn visit, void *data);
+int scenes_random(int k, int nc, int rows, scene_fn visit, void *data);
 
 #endif

@@ -1,7 +1,7 @@
 /*
  * steps.c: many problems one after the other: a batch of small ones, and the steps of a load path.
  *
- *   steps [--out DIR]
+ *   steps --out DIR
  *       steps.md: CPU of dls_solve_batch compared with a loop of dls_solve on boxes with four
  *       contacts; of a load path of 50 steps, smooth or with jumps, each from the answer of the
  *       last, compared with the same steps from zero; and of a punch with and without the contacts
@@ -17,6 +17,7 @@
 
 #include "common.h"
 #include "delassus/solve.h"
+#include "regret_kinds.h"
 
 /* ---- random numbers -------------------------------------------------------------------------- */
 
@@ -143,23 +144,16 @@ static double path_integral(double x) {
 /* B (d x d) := the block of an elastic half-plane (Flamant, nu = 1 / 8) or half-space (Boussinesq
  * and Cerruti, nu = 0.3), cells of width h, at the distance (x, y). */
 static void path_block(int d, double x, double y, double h, double *B) {
-  const double nu = d == 2 ? .125 : .3, r = hypot(x, y), c = (1 - 2 * nu) / 2;
-  memset(B, 0, sizeof *B * (size_t)(d * d));
+  const double nu = .125;
   if (d == 2) {
     const double side = x > 0 ? 1 : x < 0 ? -1 : 0, across = acos(0) * (1 - 2 * nu) / (2 - 2 * nu);
     B[0] = B[3] = 2 * h - path_integral(x + h / 2) + path_integral(x - h / 2);
     B[1] = across * side * h;
     B[2] = -B[1];
-  } else if (r == 0) {
-    B[0] = 3.5255 / h * (1 - nu);
-    B[4] = B[8] = 3.5255 / h * (1 - nu / 2);
   } else {
-    B[0] = (1 - nu) / r;
-    B[4] = ((1 - nu) + nu * x * x / (r * r)) / r;
-    B[8] = ((1 - nu) + nu * y * y / (r * r)) / r;
-    B[5] = B[7] = nu * x * y / (r * r * r);
-    B[1] = -c * x / (r * r), B[3] = -B[1];
-    B[2] = -c * y / (r * r), B[6] = -B[2];
+    regret_half_space(x, y, h, B);
+    for (int k = 0; k < 9; k++)
+      B[k] *= 4 * acos(0); /* 2 pi */
   }
 }
 
@@ -329,20 +323,9 @@ static void print_parts(FILE *page) {
 }
 
 int main(int argc, char **argv) {
-  const char *out = "bench/results";
-  if ((argc == 5 || argc == 6) && strcmp(argv[1], "--path") == 0) {
-    const int d = atoi(argv[2]), side = atoi(argv[3]);
-    if (d < 2 || d > 3 || side < 2) return 2;
-    print_path(NULL, d, side, atoi(argv[4]), argc == 6 ? atof(argv[5]) : 0);
-    return 0;
-  }
-  if (argc == 3 && strcmp(argv[1], "--out") == 0)
-    out = argv[2];
-  else if (argc > 1) {
-    fprintf(stderr, "usage: steps [--out DIR] | --path D SIDE SEED [JUMP]\n");
-    return 2;
-  }
-  FILE *page = bench_page(out, "steps", "Many problems one after the other", argc, argv);
+  if (!bench_options(argc, argv, "--out DIR")) return 2;
+  FILE *page = bench_page(bench_word(argc, argv, "--out", NULL), "steps",
+                          "Many problems one after the other", argc, argv);
   if (!page) return 1;
   print_boxes(page);
   print_paths(page);

@@ -120,43 +120,28 @@ typedef struct trust_tally {
   double largest, same_largest;
 } trust_tally;
 
-static void judge_random(int k, trust_tally *t) {
-  static double W[random_rows * random_rows], A[random_rows * random_rows], q[random_rows];
-  static double r[random_rows], exact[random_rows], mu[random_rows];
+static void judge_random(void *data, const scene *s) {
+  static double r[2 * random_rows];
   static const dls_method methods[] = {DLS_NLGS, DLS_ADMM};
-  uint64_t seed = 2 * (uint64_t)k + 2;
-  const int d = 1 + k % 3, nc = 1 + (int)((bench_draw(&seed) + 1) / 2 * (random_rows / d - 1));
-  const size_t m = (size_t)d * (size_t)nc;
-  for (size_t i = 0; i < m * m; i++)
-    A[i] = bench_draw(&seed);
-  for (size_t i = 0; i < m; i++)
-    for (size_t j = 0; j < m; j++) {
-      double sum = i == j ? k / 3 % 2 ? 1e-3 : 0.1 : 0;
-      for (size_t l = 0; l < m; l++)
-        sum += A[i + l * m] * A[j + l * m] / (double)m;
-      W[i + j * m] = sum;
-    }
-  for (size_t i = 0; i < m; i++)
-    q[i] = bench_draw(&seed) - (i % (size_t)d == 0 ? 0.3 : 0);
-  for (int c = 0; c < nc; c++)
-    mu[c] = d == 1 ? 0 : 0.45 + 0.35 * bench_draw(&seed);
-  const int n = (int)m;
-  const dls_contact p = {.d = d, .nc = nc, .W = {n, n, n, W}, .q = q, .mu = mu};
+  trust_tally *t = data;
+  const dls_contact *p = &s->contact;
+  double *exact = r + random_rows;
+  const int k = atoi(s->name);
   dls_sensitivity of;
   dls_proof proof;
   dls_info info;
   const double tol = pow(10, -4 - k / 6 % 5);
-  const int good = solve_by(&p, DLS_AUTO, 1e-8, exact, &info) &&
-                   !dls_contact_prove(&p, exact, &proof, exact, NULL) && proof.kind == DLS_PROVED &&
-                   solve_by(&p, methods[k % 2], tol, r, &info) &&
-                   !dls_contact_sensitivity(&p, r, &of, NULL);
-  const double observed = good ? error_of(r, exact, m) : NAN;
+  const int good = solve_by(p, DLS_AUTO, 1e-8, exact, &info) &&
+                   !dls_contact_prove(p, exact, &proof, exact, NULL) && proof.kind == DLS_PROVED &&
+                   solve_by(p, methods[k % 2], tol, r, &info) &&
+                   !dls_contact_sensitivity(p, r, &of, NULL);
+  const double observed = good ? error_of(r, exact, (size_t)(p->d * p->nc)) : NAN;
   if (!(observed > 1e-11 && info.certificate.residual > 1e-11)) {
     t->skipped++;
     return;
   }
   const double over = observed / of.error;
-  const int same = count_changed(&p, r, exact) == 0;
+  const int same = count_changed(p, r, exact) == 0;
   t->judged++;
   t->above_1 += over > 1;
   t->above_10 += over > 10;
@@ -214,7 +199,7 @@ int main(int argc, char **argv) {
     return 1;
   trust_tally tally = {0};
   for (int k = 0; k < randoms; k++)
-    judge_random(k, &tally);
+    if (scenes_random(k, 0, random_rows - 1, judge_random, &tally)) return 1;
   FILE *page = bench_page(out, "trust", "What a residual means for the reactions", argc, argv);
   if (!page) return 1;
   for (int k = 0; k < t.count; k++)
