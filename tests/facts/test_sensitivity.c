@@ -2,6 +2,7 @@
 #include <check.h>
 #include <math.h>
 
+#include "cases.h"
 #include "delassus/contact.h"
 #include "delassus/solve.h"
 #include "delassus/trust.h"
@@ -211,6 +212,40 @@ START_TEST(one_sided_matrices) {
 }
 END_TEST
 
+/* The same at the apex of three rows of any W: det W, near 0, and with small friction the direction
+ * that slips have one sign. By cofactors C of W, whose inverse is C^T / det W. */
+START_TEST(one_sided_in_three_rows) {
+  const double mu[2] = {1, 1e-6}, r[6] = {1};
+  int kept[2] = {0, 0};
+  set_seed(88172645463325252);
+  for (int k = 0; k < 20000 && kept[1] < 20; k++) {
+    double W[36] = {0}, C[3][3], q[6] = {-1}, w[4], J[36], x[6], det = 0;
+    for (int i = 0; i < 6; i++)
+      W[7 * i] = 1;
+    for (int i = 0; i < 9; i++)
+      if (i % 4) W[21 + i % 3 + 6 * (i / 3)] = uniform();
+    const double *V = W + 21;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+        C[i][j] = V[a + 6 * c] * V[b + 6 * d] - V[a + 6 * d] * V[b + 6 * c];
+      }
+    for (int i = 0; i < 3; i++)
+      det += V[i] * C[i][0];
+    const double s = C[1][0], t = C[2][0];
+    const double slips = s * s * C[1][1] + s * t * (C[1][2] + C[2][1]) + t * t * C[2][2];
+    if (fabs(det) > .1 || fabs(det) < .02 || slips < .1 * (s * s + t * t) || s * s + t * t < .1)
+      continue;
+    const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, W}, .q = q, .mu = mu};
+    dlsi_certificate_weights(&p, w);
+    const double error = dlsi_predict_error(&p, r, w, J, x);
+    ck_assert_msg(det > 0 ? error >= 0 && error < 1e-12 : error == -1, "det %g: %g", det, error);
+    kept[det > 0]++;
+  }
+  ck_assert_msg(kept[0] > 5 && kept[1] == 20, "%d and %d", kept[0], kept[1]);
+}
+END_TEST
+
 /* A contact alone that W does not determine: any r with r_n + r_t = 1. Each method says so, auto
  * too, which solves it without a workspace. Nor is r determined where contact 0 touches without a
  * reaction: another solution is 111 % away, W has the condition 110. */
@@ -302,6 +337,6 @@ int main(void) {
   return RUN("sensitivity", NULL, NULL, ONCE(slip_beside_no_friction), ONCE(slip_in_3d),
              ONCE(slip_in_3d_along_the_cone), ONCE(rank_in_any_units),
              ONCE(rank_one_but_for_rounding), ONCE(borders_between_states),
-             ONCE(error_beyond_the_cone), ONCE(one_sided_matrices), ONCE(not_determined),
-             ONCE(error_of_rounding), ONCE(many_bodies_on_soft_springs));
+             ONCE(one_sided_in_three_rows), ONCE(error_beyond_the_cone), ONCE(one_sided_matrices),
+             ONCE(not_determined), ONCE(error_of_rounding), ONCE(many_bodies_on_soft_springs));
 }

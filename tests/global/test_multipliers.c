@@ -444,18 +444,19 @@ static dls_certificate certify(dls_reduction *reduction) {
   return c;
 }
 
-/* An open joint is a length over lengths, and a light body is not hidden by a heavy one. */
+/* An open joint is a length over lengths, and a light body is not hidden by a heavy one. From 6 on
+ * bar 0 has no inertia: a row without stiffness makes no length. */
 START_TEST(wrong_pairs) {
   lean(2);
   L.K.x[0] = L.K.x[1] = 1e8; /* bar 0: mass, weight, inertia */
-  L.K.x[2] = 1e8 / 12;
+  L.K.x[2] = _i < 6 ? 1e8 / 12 : 0;
   L.f[1] *= 1e8;
   const double units[2] = {_i % 3 == 1 ? 1e9 : 1, _i % 3 == 2 ? 1e-9 : 1}; /* force, length */
   for (int k = 0; k < L.K.count; k++)
     L.K.x[k] *= L.K.row[k] < 6 ? units[0] / units[1] : 1;
   for (int k = 0; k < L.n; k++)
     L.f[k] *= k < 6 ? units[0] : units[1];
-  const dls_model *model = linkage_model(&L, DLS_LDLT, _i / 3);
+  const dls_model *model = linkage_model(&L, DLS_LDLT, _i / 3 % 2);
   const double mu[100] = {.8, .8};
   dls_reduction *reduction;
   ck_assert(!reduce_on_W(&reduction, model, NULL, NULL));
@@ -558,5 +559,5 @@ int main(void) {
              EACH(slipping_feet, 0, runs), EACH(slider_crank_holds, 0, 2 * runs),
              EACH(four_bar_stands, 0, 3 * runs), EACH(chains, 0, 4 * runs), EACH(massless, 0, 12),
              EACH(tied_halves, 0, 2), EACH(proofs, 0, 4), EACH(prescribed, 0, runs),
-             EACH(wrong_pairs, 0, 6), EACH(updated, 0, 2), EACH(failing_mallocs, 0, 4));
+             EACH(wrong_pairs, 0, 12), EACH(updated, 0, 2), EACH(failing_mallocs, 0, 4));
 }
