@@ -9,7 +9,7 @@
  *       price.md: the cost of a step of each method in sweeps, measured and assumed by auto
  *       (auto_price.c); fails if they differ by more than a factor of 2
  *   auto --total [SEED]
- *       on the screen: what auto solves of generated problems, and its cost (auto_total.c)
+ *       on the screen: what auto solves of generated problems, and its cost (auto_price.c)
  *
  * NAME is one of
  *   FILE       an FCLIB file

@@ -33,7 +33,7 @@ cat <<HEAD
 
 Written by \`SEED=$seed bench/constants.sh\`: $(bench/where.sh).
 
-$all generated problems (bench/auto_total.c), 24 to 500 contacts, to 1e-6 and
+$all generated problems (bench/auto_price.c), 24 to 500 contacts, to 1e-6 and
 1e-8. Unchanged, auto solves $solved of them, at $mean sweeps (geometric mean of the cost by src/auto/price.c, which is
 the same in every run). Change of that cost with half and twice the constant; in brackets the change of the number solved.
 The table in src/auto/constants.h has the reason for each value.

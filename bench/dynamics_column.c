@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "regret_kinds.h"
 
 static const double gravity = 9.81, mean_radius = 0.01, density = 2500; /* m/s2, m, kg/m3 */
 static const double margin = 0.1;                                       /* of the mean radius */
@@ -14,12 +15,6 @@ enum { d = 3, n = 6, contacts_of_one = 8 };
 
 static double column_dot(const double *x, const double *y) {
   return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
-}
-
-static void column_cross(const double *x, const double *y, double *z) {
-  z[0] = x[1] * y[2] - x[2] * y[1];
-  z[1] = x[2] * y[0] - x[0] * y[2];
-  z[2] = x[0] * y[1] - x[1] * y[0];
 }
 
 /* Places sphere k on layers of side x side, each in the hollows of the one below. */
@@ -122,7 +117,7 @@ static void column_write(const column *a, int k, double arm, double sign, double
   const double *v = a->v + (size_t)n * (size_t)k;
   for (int j = 0; j < d; j++) {
     double turn[3];
-    column_cross(lever, frame[j], turn);
+    regret_cross(lever, frame[j], turn);
     for (int i = 0; i < d; i++) {
       H[n * j + i] = by_mass * frame[j][i];
       H[n * j + d + i] = by_inertia * turn[i];
@@ -147,7 +142,7 @@ static int column_touch(column *a, int one, int other, const double *normal, dou
                               : axes[fabs(normal[0]) > 0.7],
               frame[1]);
   memcpy(a->now.tangent + d * c, frame[1], sizeof frame[1]);
-  column_cross(frame[0], frame[1], frame[2]);
+  regret_cross(frame[0], frame[1], frame[2]);
   memset(q, 0, d * sizeof *q);
   column_write(a, one, a->radius[one], 1, frame, H, q);
   if (other >= 0) column_write(a, other, -a->radius[other], -1, frame, H + n * d, q);

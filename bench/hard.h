@@ -53,10 +53,4 @@ typedef struct hard_row {
 /* Writes the tables of the rows, the lines on top first. */
 void hard_report(FILE *page, int count, const hard_row *row);
 
-/* ---- the fold (hard_fold.c) ------------------------------------------------------------------ */
-
-/* Writes the table of bounds on the friction from which some loads have two answers. Returns 0, or
- * 1 after a message. */
-int hard_fold_table(FILE *page);
-
 #endif

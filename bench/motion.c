@@ -74,29 +74,6 @@ static int one_turn(const steps *s, double *least) {
   return 0;
 }
 
-/* Returns |K x - b| / (|K||x|) in maximum norms, |K| by rows. */
-static double residual_of(const dls_sparse *K, const double *x, const double *b) {
-  const size_t n = (size_t)K->rows;
-  double *y = calloc(2 * n, sizeof *y), left = 0, norm = 0, size = 0;
-  if (!y) return NAN;
-  for (int j = 0; j < K->cols; j++)
-    for (int k = K->p[j]; k < K->p[j + 1]; k++) {
-      const int i = K->i[k];
-      y[i] += K->x[k] * x[j];
-      y[n + (size_t)i] += fabs(K->x[k]);
-      if (i == j) continue;
-      y[j] += K->x[k] * x[i];
-      y[n + (size_t)j] += fabs(K->x[k]);
-    }
-  for (size_t i = 0; i < n; i++) {
-    left = fmax(left, fabs(y[i] - b[i]));
-    norm = fmax(norm, y[n + i]);
-    size = fmax(size, fabs(x[i]));
-  }
-  free(y);
-  return left / (norm * size);
-}
-
 /* Fills loads and reactions from equal random numbers each time, and b := f + H r. */
 static void fill(const dls_model *model, steps *s) {
   uint64_t seed = 1;
@@ -134,7 +111,7 @@ static int measure_steps(const dls_model *model, steps *s, measured *out) {
     size = fmax(size, fabs(x[i]));
   }
   out->apart /= size;
-  out->residual = residual_of(&model->Ks, s->x, s->b);
+  out->residual = box_residual(model, s->x, s->b);
   return 0;
 }
 

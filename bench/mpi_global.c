@@ -20,27 +20,7 @@
 #include "delassus.h"
 #include "tests/mpi/shares.h"
 
-static const double friction = 0.3, tol = 1e-8;
-
-/* Lets the kernel forget what was the most memory so far. */
-static void forget_peak(void) {
-  FILE *file = fopen("/proc/self/clear_refs", "w");
-  (void)malloc_trim(0);
-  if (!file) return;
-  (void)fputs("5", file);
-  (void)fclose(file);
-}
-
-/* Returns the most resident memory in MB. */
-static double peak(void) {
-  char line[200];
-  double kilobytes = 0;
-  FILE *file = fopen("/proc/self/status", "r");
-  while (file && fgets(line, sizeof line, file))
-    if (sscanf(line, "VmHWM: %lf", &kilobytes) == 1) break;
-  if (file) (void)fclose(file);
-  return kilobytes / 1024;
-}
+static const double friction = 0.3, tol = 1e-8, megabyte = 1024 * 1024;
 
 /* Gap of node c of the face: half of the nodes begin below the floor. */
 static void curve_floor(int side, int nodes, double *g, double *mu) {
@@ -83,8 +63,8 @@ int main(int argc, char **argv) {
   free(b.i);
   b.x = NULL;
   b.i = NULL;
-  forget_peak();
-  const double before = peak();
+  (void)malloc_trim(0);
+  const double before = bench_watch_memory() / megabyte;
   (void)MPI_Barrier(MPI_COMM_WORLD);
   dls_mpi_global *global = NULL;
   dls_mpi_info cost = {0};
@@ -114,7 +94,7 @@ int main(int argc, char **argv) {
                         most_of(spent - made - factor_cpu),
                         most_of(spent),
                         most_of(1e-6 * cost.factor_bytes),
-                        most_of(peak()),
+                        most_of(bench_memory("VmHWM") / megabyte),
                         most_of(before)};
   if (rank == 0) {
     if (argc > 3)

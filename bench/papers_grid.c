@@ -71,7 +71,7 @@ static int grid_node(const grid *g, const int *first, const int *local) {
 
 static int grid_number(grid *g) {
   const int all = product(g->d, g->nodes);
-  g->unknown = calloc((size_t)g->d * (size_t)all, sizeof *g->unknown);
+  g->unknown = malloc((size_t)g->d * (size_t)all * sizeof *g->unknown);
   if (!g->unknown) return -1;
   g->line = product(g->d - 1, g->nodes);
   for (int node = 0; node < all; node++)
@@ -113,44 +113,30 @@ static void element_stiffness(const grid *g, int c, const shape *s, double *k) {
     }
 }
 
-/* Adds up K in columns, entries of a place repeated. */
+/* Forms K, entries of a place repeated. */
 static int grid_stiffness(grid *g, const shape *s) {
   const int d = g->d, local[3] = {g->order + 1, g->order + 1, g->order + 1};
-  const int c = product(d, local), elements = product(d, g->cells), m = d * c;
+  const int c = product(d, local), elements = product(d, g->cells), m = d * c, n = g->unknowns;
   double *k = calloc((size_t)(m * m), sizeof *k);
-  const size_t most = (size_t)elements * (size_t)(m * m);
-  g->K.p = calloc((size_t)g->unknowns + 2, sizeof *g->K.p);
-  g->K.i = calloc(most, sizeof *g->K.i);
-  g->K.x = calloc(most, sizeof *g->K.x);
   int *row = calloc((size_t)m, sizeof *row);
-  int bad = !k || !g->K.p || !g->K.i || !g->K.x || !row;
+  dlsi_triplets K = {0};
+  int bad = !k || !row || dlsi_triplets_alloc(n, n, (size_t)elements * (size_t)(m * m), &K, NULL);
   if (!bad) element_stiffness(g, c, s, k);
-  for (int pass = 0; pass < 2 && !bad; pass++) { /* counts, then places */
-    for (int e = 0; e < elements; e++) {
-      int first[3], i[3];
-      split(e, d, g->cells, first);
-      for (int a = 0; a < d; a++)
-        first[a] *= g->order;
-      for (int I = 0; I < c; I++) {
-        split(I, d, local, i);
-        for (int a = 0; a < d; a++)
-          row[d * I + a] = g->unknown[d * grid_node(g, first, i) + a];
-      }
-      for (int b = 0; b < m; b++)
-        for (int a = 0; a < m && row[b] >= 0; a++) {
-          if (row[a] < 0) continue;
-          if (pass == 0) {
-            g->K.p[row[b] + 2]++;
-            continue;
-          }
-          const int at = g->K.p[row[b] + 1]++;
-          g->K.i[at] = row[a];
-          g->K.x[at] = k[a + m * b];
-        }
+  for (int e = 0; e < elements && !bad; e++) {
+    int first[3], i[3];
+    split(e, d, g->cells, first);
+    for (int a = 0; a < d; a++)
+      first[a] *= g->order;
+    for (int I = 0; I < m; I++) {
+      split(I / d, d, local, i);
+      row[I] = g->unknown[d * grid_node(g, first, i) + I % d];
     }
-    for (int j = 2; pass == 0 && j <= g->unknowns + 1; j++)
-      g->K.p[j] += g->K.p[j - 1];
+    for (int b = 0; b < m; b++)
+      for (int a = 0; a < m; a++)
+        if (row[a] >= 0 && row[b] >= 0) dlsi_triplets_add(&K, row[a], row[b], k[a + m * b]);
   }
+  bad = bad || dlsi_columns_compress(&K, 1, DLSI_ALL, &g->K, NULL);
+  dlsi_triplets_free(&K);
   free(k);
   free(row);
   return bad ? -1 : 0;
@@ -193,13 +179,12 @@ static int grid_weighting(grid *g, const shape *s, int weighted, double mu) {
   const size_t count = (size_t)(nx - 1) * (size_t)ny, nodes = (size_t)g->line;
   double *at = calloc((size_t)(nx + ny), sizeof *at);
   int *candidate = calloc((size_t)nx, sizeof *candidate);
-  g->P.p = calloc(nodes + 1, sizeof *g->P.p);
-  g->P.i = calloc(16 * nodes, sizeof *g->P.i);
-  g->P.x = calloc(16 * nodes, sizeof *g->P.x);
   g->area = calloc(nodes, sizeof *g->area);
   g->mu = calloc(count, sizeof *g->mu);
   g->node = calloc(count, sizeof *g->node);
-  int bad = !at || !candidate || !g->P.p || !g->P.i || !g->P.x || !g->area || !g->mu || !g->node;
+  int bad = !at || !candidate || !g->area || !g->mu || !g->node ||
+            dlsi_columns_alloc(g->line, g->line, 16 * g->line, &g->P, NULL);
+  if (!bad) g->P.p[0] = 0;
   for (int k = 0; k < nx && !bad; k++) {
     at[k] = side * k / (nx - 1);
     candidate[k] = k < nx - 1;
@@ -220,7 +205,7 @@ static int grid_weighting(grid *g, const shape *s, int weighted, double mu) {
                              g->area, &columns, NULL) != DLS_OK;
   for (int e = 0; !bad && e < g->P.p[count]; e++)
     g->least = fmin(g->least, g->P.x[e]);
-  g->candidates = (int)count;
+  g->candidates = g->P.cols = (int)count;
   free(at);
   free(candidate);
   return bad ? -1 : 0;
@@ -228,30 +213,20 @@ static int grid_weighting(grid *g, const shape *s, int weighted, double mu) {
 
 /* Fills H_N, H_T: contact node k is node k of the grid. Held unknowns have empty columns. */
 static int grid_operators(grid *g) {
-  const size_t line = (size_t)g->line, d = (size_t)g->d;
-  g->HN.p = calloc(line + 1, sizeof(int));
-  g->HN.i = calloc(line, sizeof(int));
-  g->HN.x = calloc(line, sizeof(double));
-  g->HT.p = calloc((d - 1) * line + 1, sizeof(int));
-  g->HT.i = calloc((d - 1) * line, sizeof(int));
-  g->HT.x = calloc((d - 1) * line, sizeof(double));
-  if (!g->HN.p || !g->HN.i || !g->HN.x || !g->HT.p || !g->HT.i || !g->HT.x) return -1;
-  int n = 0, t = 0;
-  for (size_t k = 0; k < line; k++) {
-    for (size_t a = 0; a < d; a++) {
-      const int row = g->unknown[d * k + a];
-      if (row >= 0 && a == d - 1) {
-        g->HN.i[n] = row;
-        g->HN.x[n++] = 1;
-      } else if (row >= 0) {
-        g->HT.i[t] = row;
-        g->HT.x[t++] = 1;
-      }
-      if (a < d - 1) g->HT.p[(d - 1) * k + a + 1] = t;
-    }
-    g->HN.p[k + 1] = n;
+  const int line = g->line, d = g->d, n = g->unknowns;
+  dlsi_triplets N = {0}, T = {0};
+  int bad = dlsi_triplets_alloc(n, line, (size_t)line, &N, NULL) ||
+            dlsi_triplets_alloc(n, (d - 1) * line, (size_t)((d - 1) * line), &T, NULL);
+  for (int k = 0; k < d * line && !bad; k++) {
+    const int node = k / d, a = k % d, row = g->unknown[k];
+    if (row >= 0 && a == d - 1) dlsi_triplets_add(&N, row, node, 1);
+    if (row >= 0 && a < d - 1) dlsi_triplets_add(&T, row, (d - 1) * node + a, 1);
   }
-  return 0;
+  bad = bad || dlsi_columns_compress(&N, 1, DLSI_ALL, &g->HN, NULL) ||
+        dlsi_columns_compress(&T, 1, DLSI_ALL, &g->HT, NULL);
+  dlsi_triplets_free(&N);
+  dlsi_triplets_free(&T);
+  return bad ? -1 : 0;
 }
 
 int grid_create(grid *g, int d, int order, int cells, int weighted, double mu) {
@@ -267,16 +242,15 @@ int grid_create(grid *g, int d, int order, int cells, int weighted, double mu) {
   if (grid_number(g) || grid_stiffness(g, s) || grid_loads(g, s) ||
       grid_weighting(g, s, weighted, mu) || grid_operators(g))
     goto failed;
-  const int n = g->unknowns;
   g->model = (dls_model){.d = d,
-                         .n = n,
+                         .n = g->unknowns,
                          .nodes = g->line,
                          .operator_kind = DLS_STIFFNESS_SPARSE,
                          .factorization = DLS_CHOLESKY,
-                         .Ks = {n, n, g->K.p, g->K.i, g->K.x},
-                         .HN = {n, g->line, g->HN.p, g->HN.i, g->HN.x},
-                         .HT = {n, (d - 1) * g->line, g->HT.p, g->HT.i, g->HT.x},
-                         .P = {g->line, g->candidates, g->P.p, g->P.i, g->P.x}};
+                         .Ks = dlsi_columns_view(&g->K),
+                         .HN = dlsi_columns_view(&g->HN),
+                         .HT = dlsi_columns_view(&g->HT),
+                         .P = dlsi_columns_view(&g->P)};
   status = bench_reduce(&g->reduction, &g->model, &error);
   if (!status) status = dls_reduction_load(g->reduction, g->f, NULL, &error);
   if (!status) status = dls_reduction_contact(g->reduction, g->mu, &g->contact, &error);
@@ -294,17 +268,9 @@ void grid_free(grid *g) {
   free(g->mu);
   free(g->area);
   free(g->node);
-  free(g->K.p);
-  free(g->K.i);
-  free(g->K.x);
-  free(g->HN.p);
-  free(g->HN.i);
-  free(g->HN.x);
-  free(g->HT.p);
-  free(g->HT.i);
-  free(g->HT.x);
-  free(g->P.p);
-  free(g->P.i);
-  free(g->P.x);
+  dlsi_columns_free(&g->K);
+  dlsi_columns_free(&g->HN);
+  dlsi_columns_free(&g->HT);
+  dlsi_columns_free(&g->P);
   *g = (grid){0};
 }

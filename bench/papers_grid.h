@@ -5,6 +5,7 @@
 #ifndef BENCH_PAPERS_GRID_H
 #define BENCH_PAPERS_GRID_H
 
+#include "contact/columns.h"
 #include "delassus.h"
 
 /* A box and its condensed contact problem; owns all. */
@@ -17,10 +18,7 @@ typedef struct grid {
   int *node;              /* candidates: node */
   int candidates;
   double least; /* entry of P */
-  struct {
-    int *p, *i;
-    double *x;
-  } K, HN, HT, P;
+  dlsi_columns K, HN, HT, P;
   dls_model model;
   dls_reduction *reduction;
   dls_contact contact;

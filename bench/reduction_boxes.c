@@ -193,6 +193,29 @@ int box_create_glued(box *b, int d, int cells, int height) {
   return box_fill(b, &g, 0);
 }
 
+double box_residual(const dls_model *model, const double *x, const double *b) {
+  const dls_sparse *K = &model->Ks;
+  const int n = model->n, lower = model->factorization == DLS_CHOLESKY;
+  double *y = calloc(2 * (size_t)n, sizeof *y), *a = y + n, most[3] = {0}; /* y, a, x */
+  if (!y) return NAN;
+  for (int j = 0; j < n; j++)
+    for (int k = K->p[j]; k < K->p[j + 1]; k++) {
+      const int i = K->i[k];
+      y[i] += K->x[k] * x[j];
+      a[i] += fabs(K->x[k]);
+      if (!lower || i == j) continue;
+      y[j] += K->x[k] * x[i];
+      a[j] += fabs(K->x[k]);
+    }
+  for (int i = 0; i < n; i++) {
+    const double of[3] = {fabs(y[i] - b[i]), a[i], fabs(x[i])};
+    for (int k = 0; k < 3; k++)
+      if (!(of[k] <= most[k])) most[k] = of[k];
+  }
+  free(y);
+  return most[0] / (most[1] * most[2]);
+}
+
 void box_free(box *b) {
   free(b->p);
   free(b->i);

@@ -35,40 +35,30 @@ typedef struct box {
   double W[box_rows * box_rows], q[box_rows], mu[corners];
 } box;
 
-/* J (3 x 6) := velocity (n, t, s) of the corner (x, y, z) by that of the box and its spin. */
-static void box_operator(double x, double y, double z, double J[3][6]) {
-  const double arm[3][6] = {{0, 0, 1, y, -x, 0}, {1, 0, 0, 0, z, -y}, {0, 1, 0, -z, 0, x}};
-  memcpy(J, arm, sizeof arm);
-}
-
 /* Makes a box of random sides on the plane, at rest, sliding or tumbling, after a step of
  * gravity. */
 static void box_make(box *b, int kind) {
+  static const double middle[3] = {0}, up[3] = {0, 0, 1};
   const double a[3] = {1 + .5 * steps_draw(), 1 + .5 * steps_draw(), 1 + .5 * steps_draw()};
-  double inverse[6], v[6] = {0, 0, -.1, 0, 0, 0};
+  double inertia[3], v[6] = {0, 0, -.1, 0, 0, 0};
+  regret_problem made = {0};
+  yard y = {.mu = .5};
   for (int i = 0; i < 3; i++) {
     const double s = a[(i + 1) % 3], t = a[(i + 2) % 3];
-    inverse[i] = 1;
-    inverse[3 + i] = 3 / (s * s + t * t);
+    inertia[i] = (s * s + t * t) / 3;
     v[i] += kind == 1 && i < 2 ? .3 * steps_draw() : kind == 2 ? .1 * steps_draw() : 0;
     v[3 + i] += kind == 2 ? .1 * steps_draw() : 0;
   }
-  double J[corners][3][6];
+  if (yard_open(&y, &made, 3, 1, corners)) exit(1);
+  (void)yard_body(&y, middle, 1, inertia, v);
   for (int c = 0; c < corners; c++) {
-    box_operator(c % 2 ? a[0] : -a[0], c / 2 ? a[1] : -a[1], -a[2], J[c]);
+    const double x[3] = {c % 2 ? a[0] : -a[0], c / 2 ? a[1] : -a[1], -a[2]};
+    yard_touch(&y, 0, -1, x, up);
     b->mu[c] = .5;
   }
-  for (int i = 0; i < box_rows; i++) {
-    b->q[i] = 0;
-    for (int k = 0; k < 6; k++)
-      b->q[i] += J[i / 3][i % 3][k] * v[k];
-    for (int j = 0; j < box_rows; j++) {
-      double sum = 0;
-      for (int k = 0; k < 6; k++)
-        sum += J[i / 3][i % 3][k] * inverse[k] * J[j / 3][j % 3][k];
-      b->W[i + box_rows * j] = sum;
-    }
-  }
+  if (yard_close(&y) || dls_blocks_to_dense(&made.contact.Wb, b->W, box_rows, NULL)) exit(1);
+  memcpy(b->q, made.contact.q, sizeof b->q);
+  regret_free(&made);
 }
 
 static dls_contact box_contact(const box *b) {
