@@ -28,7 +28,7 @@ src/cli 14100
 src/mpi 3809
 src/python 2872
 src/fortran 579
-tests 69705
+tests 65600
 bench 14086
 examples 2799
 END

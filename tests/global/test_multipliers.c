@@ -1,17 +1,8 @@
 /* test_multipliers.c: joints together with contacts, redundant ones too, on W and on K: truth from
  * statics by hand. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "delassus/global.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
-#include "errors.h"
+#include "delassus.h"
 #include "linkage.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 #include "solids.h"
@@ -40,8 +31,7 @@ static dls_status answer(const dls_model *model, int door, double friction, doub
   if (door) {
     dls_global *global;
     dls_limits limits;
-    dls_solver_settings defaults;
-    dls_solver_settings_init(&defaults);
+    dls_solver_settings defaults = settings_with(DLS_AUTO, default_tol);
     limits = defaults.limits;
     limits.tol = tol;
     ck_assert_msg(!dls_global_create(&global, model, &e), "%s", e.message);
@@ -49,9 +39,7 @@ static dls_status answer(const dls_model *model, int door, double friction, doub
     dls_global_destroy(global);
   } else {
     dls_reduction *reduction;
-    dls_solver_settings settings;
-    dls_solver_settings_init(&settings);
-    settings.limits.tol = tol;
+    dls_solver_settings settings = settings_with(DLS_AUTO, tol);
     ck_assert_msg(!reduce_on_W(&reduction, model, NULL, &e), "%s", e.message);
     ck_assert(!dls_reduction_get_info(reduction, &facts, &e));
     ck_assert_msg(!dls_reduction_load(reduction, L.f, NULL, &e), "%s", e.message);
@@ -87,7 +75,7 @@ static void lean(int times) {
 }
 
 /* Each foot carries one weight; thrust T = W cot(angle) / 2 is below friction .8. */
-START_TEST(doubled_hinge) {
+TEST_EACH(doubled_hinge, 0, 3 * runs) {
   const int times = 1 + _i % 3;
   const double thrust = weight / tan(angle) / 2;
   lean(times);
@@ -107,10 +95,9 @@ START_TEST(doubled_hinge) {
   for (int k = 8; k < L.n; k++)
     ck_assert(x[k] == 0);
 }
-END_TEST
 
 /* Feet that slip: T = mu W, and both bars move as statics by virtual work says. */
-START_TEST(slipping_feet) {
+TEST_EACH(slipping_feet, 0, runs) {
   lean(2);
   const double mu = .3, c = cos(angle), s = sin(angle);
   const dls_status status = solve_run(_i, mu, 1e-10);
@@ -122,12 +109,10 @@ START_TEST(slipping_feet) {
   const double w = (weight * c / 2 - mu * weight * s) / (inertia - mu * s * m * c / 2);
   const double N = weight - m * c * w / 2;
   ck_assert_double_eq_tol(x[2], -w, 1e-8);
-  ck_assert_double_eq_tol(r[0], N, 1e-8);
-  ck_assert_double_eq_tol(r[1], mu * N, 1e-8);
+  assert_near(r, (double[]){N, mu * N}, 2, 1e-8);
   ck_assert_double_eq_tol(r[3], -mu * N, 1e-8);
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
 }
-END_TEST
 
 /* A crank about the ground, a rod, and a slider on the ground; a couple on the crank pushes the
  * slider against friction. The rod carries S = couple / (R sin(a + b)). */
@@ -148,18 +133,16 @@ static void slider_crank(int times, double couple) {
   L.f[2] = couple;
 }
 
-START_TEST(slider_crank_holds) {
+TEST_EACH(slider_crank_holds, 0, 2 * runs) {
   const double R = .5, l = 1.5, a = 1, b = asin(R * sin(a) / l), couple = -2;
   const double S = -couple / (R * sin(a + b));
   slider_crank(1 + _i % 2, couple);
   const dls_status status = solve_run(_i / 2, .5, 1e-10);
   ck_assert_msg(status == DLS_OK, "%s %g", dls_status_name(status), info.certificate.residual);
-  ck_assert_double_eq_tol(r[0], 20 + S * sin(b), 1e-9);
-  ck_assert_double_eq_tol(r[1], -S * cos(b), 1e-9);
+  assert_near(r, (double[]){20 + S * sin(b), -S * cos(b)}, 2, 1e-9);
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
   if (!(_i / 2 & 1)) ck_assert_int_eq(facts.redundant, _i % 2 ? 7 : 0);
 }
-END_TEST
 
 /* A four-bar linkage in space, its axes along y: two cranks at angle `lean` on ground pivots, and a
  * coupler with a foot on the ground. A hinge in space has 5 rows, four of them 20 on 18 unknowns of
@@ -182,7 +165,7 @@ static void four_bar(void) {
 }
 
 /* Every point of the coupler moves along (-sin, 0, cos) of the tilt: virtual work. */
-START_TEST(four_bar_stands) {
+TEST_EACH(four_bar_stands, 0, 3 * runs) {
   const double mu = _i % 3 * .4, tilt = 1.1, load = (7 + 3) * cos(tilt);
   four_bar();
   const dls_status status = solve_run(_i / 3, mu, 1e-10);
@@ -192,7 +175,6 @@ START_TEST(four_bar_stands) {
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
   if (!(_i / 3 & 1)) ck_assert(facts.joints == 20 && facts.redundant == 3);
 }
-END_TEST
 
 /* A straight chain of bars, pinned to the ground at both ends, contacts .1 below the middles: 44
  * bars with each pin given twice have n = 312, more than what is factored dense. */
@@ -210,7 +192,7 @@ static void chain(int bars, int times) {
 
 /* Nothing moves, whether pins are doubled or not, and vertical forces balance. Contacts and pins
  * are more than the bars have motions: r is not unique. */
-START_TEST(chains) {
+TEST_EACH(chains, 0, 4 * runs) {
   const int bars = _i / 2 / runs ? 44 : 12, times = 1 + _i % 2, positions = 3 * bars;
   chain(bars, times);
   const dls_status status = solve_run(_i / 2 % runs, 0, 1e-12);
@@ -227,7 +209,6 @@ START_TEST(chains) {
     sum += r[2 * c];
   ck_assert_double_eq_tol(sum, bars, 1e-9);
 }
-END_TEST
 
 /* ---- elastic bodies -------------------------------------------------------------------------- */
 
@@ -302,8 +283,7 @@ static void expect_whole(const double *s, const double *z, const double *y) {
     scale = fmax(scale, fabs(y[k]));
   for (int k = 0; k < 2 * across; k++)
     force = fmax(force, fabs(r[k]));
-  for (int k = 0; k < 2 * across; k++)
-    ck_assert_double_eq_tol(r[k], s[k], 1e-6 * force);
+  assert_near(r, s, 2 * across, 1e-6 * force);
   for (int j = 0; j < column; j++)
     for (int k = 0; k < 2; k++) {
       const double left = z[2 * node_left(j) + k], right = z[2 * node_right(j) + k];
@@ -313,7 +293,7 @@ static void expect_whole(const double *s, const double *z, const double *y) {
 }
 
 /* The halves have W, r and x of the whole, by W and on K. */
-START_TEST(tied_halves) {
+TEST_EACH(tied_halves, 0, 2) {
   static double y[2 * plates], z[2 * plates + 4 * column], f[2 * plates + 4 * column];
   const int times = 1 + _i % 2;
   double mu[across], s[2 * across] = {0};
@@ -334,8 +314,7 @@ START_TEST(tied_halves) {
   ck_assert_msg(!status || (!WITH_MUMPS && status == DLS_E_UNSUPPORTED), "%s", e.message);
   if (!status) {
     ck_assert(!dls_reduction_contact(A, mu, &P, NULL) && !dls_reduction_contact(B, mu, &Q, NULL));
-    for (int k = 0; k < P.W.rows * P.W.cols; k++)
-      ck_assert_double_eq_tol(P.W.a[k], Q.W.a[k], 1e-11 * P.W.a[0]);
+    assert_near(P.W.a, Q.W.a, P.W.rows * P.W.cols, 1e-11 * P.W.a[0]);
     ck_assert(!dls_reduction_load(B, f, halves.g, NULL));
     ck_assert(!dls_reduction_solve(B, mu, NULL, s, NULL, z, &info, NULL));
     ck_assert(!dls_reduction_get_info(B, &facts, NULL));
@@ -351,7 +330,6 @@ START_TEST(tied_halves) {
   solids_free(&whole);
   solids_free(&halves);
 }
-END_TEST
 
 /* ---- statics without mass, proofs ------------------------------------------------------------ */
 
@@ -360,22 +338,18 @@ static void without_mass(void) {
     if (L.K.row[k] == L.K.col[k]) L.K.x[k] = 0;
 }
 
-START_TEST(massless) {
+TEST_EACH(massless, 0, 12) {
   const double thrust = weight / tan(angle) / 2;
   lean(1 + _i % 3);
   without_mass();
   const dls_status status = solve_run(1 + 2 * (_i / 3), .8, 1e-10);
   ck_assert_msg(status == DLS_OK, "%s %g", dls_status_name(status), info.certificate.residual);
-  ck_assert_double_eq_tol(r[0], weight, 1e-9);
-  ck_assert_double_eq_tol(r[1], thrust, 1e-9);
-  ck_assert_double_eq_tol(r[2], weight, 1e-9);
-  ck_assert_double_eq_tol(r[3], -thrust, 1e-9);
+  assert_near(r, (double[]){weight, thrust, weight, -thrust}, 4, 1e-9);
 }
-END_TEST
 
 /* Friction .7 holds no thrust of .731: the motion that proves it moves bodies, not forces. Joints
  * that contradict each other are proved by forces alone. */
-START_TEST(proofs) {
+TEST_EACH(proofs, 0, 4) {
   const int contradict = _i / 2, is_sparse = _i % 2;
   dls_global *global;
   dls_error e = {0};
@@ -411,10 +385,9 @@ START_TEST(proofs) {
     ck_assert_int_eq(status, DLS_NO_SOLUTION);
   }
 }
-END_TEST
 
 /* A pin that is pulled open by .125: b; on one side of two parallel cranks. */
-START_TEST(prescribed) {
+TEST_EACH(prescribed, 0, runs) {
   const double end[2] = {.5, 0}, pin[2] = {-.5, 0};
   linkage_new(&L, 2);
   (void)linkage_body(&L, 2, 2. / 12, 0);
@@ -427,12 +400,10 @@ START_TEST(prescribed) {
   ck_assert_msg(status == DLS_OK, "%s %g", dls_status_name(status), info.certificate.residual);
   /* the free end does not move down: v_y = .0625, turn = -.125 about it; no load, so r_n is what
    * keeps the end: m / 4 - I = 1/2 - 1/6 over 1, times .125 */
-  ck_assert_double_eq_tol(x[1], .0625, 1e-14);
-  ck_assert_double_eq_tol(x[2], -.125, 1e-14);
+  assert_near(x + 1, (double[]){.0625, -.125}, 2, 1e-14);
   ck_assert_double_eq_tol(r[0], .125 * (2. / 4 - 2. / 12), 1e-13);
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
 }
-END_TEST
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
@@ -445,7 +416,7 @@ static dls_certificate certify(dls_reduction *reduction) {
 }
 
 /* An open joint is a length over lengths, and a light body is not hidden by a heavy one. */
-START_TEST(wrong_pairs) {
+TEST_EACH(wrong_pairs, 0, 6) {
   lean(2);
   L.K.x[0] = L.K.x[1] = 1e8; /* bar 0: mass, weight, inertia */
   L.K.x[2] = 1e8 / 12;
@@ -475,7 +446,6 @@ START_TEST(wrong_pairs) {
   ck_assert_double_eq_tol(c.unbalanced / (weight * units[0]), .5, .5);
   dls_reduction_destroy(reduction);
 }
-END_TEST
 
 /* ---- new values, memory ---------------------------------------------------------------------- */
 
@@ -493,7 +463,7 @@ static void cranks(double tilt) {
   linkage_contact(&L, 3, (double[]){.25, -.5});
 }
 
-START_TEST(updated) {
+TEST_EACH(updated, 0, 2) {
   const double tilts[] = {1.1, .9, 1.1}, mu[1] = {0};
   dls_reduction *reduction = NULL;
   dls_global *global = NULL;
@@ -524,9 +494,8 @@ START_TEST(updated) {
   dls_reduction_destroy(reduction);
   dls_global_destroy(global);
 }
-END_TEST
 
-START_TEST(failing_mallocs) {
+TEST_EACH(failing_mallocs, 0, 4) {
   const double mu[2] = {.8, .8};
   lean(2);
   if (_i & 1) L.f[9] = .25; /* the proof, too */
@@ -551,12 +520,7 @@ START_TEST(failing_mallocs) {
   }
   ck_assert_int_eq(status, _i & 1 ? DLS_NO_SOLUTION : DLS_OK);
 }
-END_TEST
 
 int main(void) {
-  return RUN("multipliers", NULL, free_linkage, EACH(doubled_hinge, 0, 3 * runs),
-             EACH(slipping_feet, 0, runs), EACH(slider_crank_holds, 0, 2 * runs),
-             EACH(four_bar_stands, 0, 3 * runs), EACH(chains, 0, 4 * runs), EACH(massless, 0, 12),
-             EACH(tied_halves, 0, 2), EACH(proofs, 0, 4), EACH(prescribed, 0, runs),
-             EACH(wrong_pairs, 0, 6), EACH(updated, 0, 2), EACH(failing_mallocs, 0, 4));
+  return run_tests("multipliers", NULL, free_linkage);
 }
