@@ -1,12 +1,17 @@
 #!/bin/sh
-# check_names.sh [DIRECTORY]: four rules on the C files of the tree at DIRECTORY (here). Reports FILE:LINE.
+# check_names.sh [DIRECTORY]: five rules on the files of the tree at DIRECTORY (here). Reports FILE:LINE.
 #
 #   1 no static function name but main stands in three or more files: a name leads to one place
 #   2 no function of the library but dlsi_at has a parameter `const char *function`: errors get their
 #     name at the door
 #   3 no line is longer than 100 columns
 #   4 a public function with an error begins with DLSI_DOOR, which keeps the host's floating point environment
+#   5 no class of a Python file has a test twice: the first would never run
 cd "${1:-.}" || exit 2
+find src tests bench examples -name '*.py' | LC_ALL=C xargs awk '
+  /^class / { class = $2 }
+  /^    def test_/ && seen[FILENAME, class, $2]++ { print FILENAME ":" FNR ": a second " $2; bad = 1 }
+  END { exit bad }' || exit 1
 find include src lcp vi reduction global tests bench examples -name '*.[ch]' | sort | LC_ALL=C xargs awk '
   function report(text) { print text; bad = 1 }
   FNR == 1 { declaration = "" }

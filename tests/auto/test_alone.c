@@ -1,8 +1,4 @@
 /* test_alone.c: problems that auto answers from r = 0 without a workspace, and its report. */
-#include <check.h>
-#include <float.h>
-#include <string.h>
-
 #include "auto/auto.h"
 #include "run.h"
 
@@ -50,7 +46,7 @@ static int solves(const dls_contact *problem) {
 }
 
 /* (AL1) r = 0 where nothing is pressed, of any size and storage. */
-START_TEST(nothing_is_pressed) {
+TEST(nothing_is_pressed) {
   set_alone(3, most_nc, 0);
   t.q[3] = 5;
   t.q[4] = -1;
@@ -64,10 +60,9 @@ START_TEST(nothing_is_pressed) {
   ck_assert(solves(&t.blocks) && info.certificate.floor_u == 0);
   ck_assert(dlsi_alone_solve(&t.blocks, 1e-8, r, NULL, NULL));
 }
-END_TEST
 
 /* (AL2) One is pressed by less than the rounding of what stands open beside it. */
-START_TEST(pressed_by_rounding) {
+TEST(pressed_by_rounding) {
   set_alone(2, 3, 0);
   t.q[0] = 1;
   t.q[4] = -1e-30;
@@ -79,10 +74,9 @@ START_TEST(pressed_by_rounding) {
   t.W[4] = t.W[24] = 1; /* r of candidate 2 opens candidate 0 further */
   ck_assert(solves(&t.dense) && info.iterations == 1 && r[4] == 5e-4 && u[4] == 0);
 }
-END_TEST
 
 /* (AL2) One sweep: r = -q / 2 within the cone, of as many candidates as there may be. */
-START_TEST(each_alone) {
+TEST(each_alone) {
   for (int d = 1; d <= 3; d++)
     for (int nc = 20; nc <= 21; nc++) {
       set_alone(d, nc, 0);
@@ -104,11 +98,10 @@ START_TEST(each_alone) {
       ck_assert(info.certificate.floor_u > 0 && info.ambiguous == 0);
     }
 }
-END_TEST
 
 /* Two that are pressed are answered only if each has its own block and no other: W dense, or a
  * column of two blocks, goes to the sweeps, whichever of both comes first. */
-START_TEST(two_that_may_be_coupled) {
+TEST(two_that_may_be_coupled) {
   for (int halves = 0; halves < 2; halves++)
     for (int first = 0; first < 2; first++)
       for (int second = 0; second < 2; second++) {
@@ -128,10 +121,9 @@ START_TEST(two_that_may_be_coupled) {
   t.q[0] = -1;
   ck_assert(!solves(&t.blocks));
 }
-END_TEST
 
 /* A reaction that presses another one; W_cc without a positive trace; bodies. */
-START_TEST(left_to_the_sweeps) {
+TEST(left_to_the_sweeps) {
   set_alone(1, 2, 0);
   t.q[0] = -2;
   t.q[1] = 0.5;
@@ -162,11 +154,10 @@ START_TEST(left_to_the_sweeps) {
   t.q[0] = -1;
   ck_assert(!solves(&of));
 }
-END_TEST
 
 /* W_cc = (1 -1/2; -1/2 1), mu = 4, q_c = (1, -4): beside r_c = 0 there is r_c = (1, 4), u_c = (0,
  * -1/2). Told only where something is pressed. */
-START_TEST(answers_are_counted) {
+TEST(answers_are_counted) {
   static const double block[4] = {1, -0.5, -0.5, 1};
   for (int pressed = 0; pressed < 2; pressed++) {
     set_alone(2, 2, 0);
@@ -177,11 +168,4 @@ START_TEST(answers_are_counted) {
     ck_assert(solves(&t.blocks) && r[2] == 0);
     ck_assert_int_eq(info.ambiguous, pressed);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("alone", NULL, NULL, ONCE(nothing_is_pressed), ONCE(pressed_by_rounding),
-             ONCE(each_alone), ONCE(two_that_may_be_coupled), ONCE(left_to_the_sweeps),
-             ONCE(answers_are_counted));
 }

@@ -1,12 +1,7 @@
 /* test_apart.c: candidates that provably cannot touch, which auto leaves out. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "auto/auto.h"
 #include "delassus/solve.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 
 enum { count = 40, most = 3 * count };
@@ -47,7 +42,7 @@ static int touching(const dls_contact *p, int *list) {
 }
 
 /* What has q_n <= 0 may touch; the rest is left out, but for a coupling that friction could use. */
-START_TEST(proofs) {
+TEST_EACH(proofs, 1, 4) {
   int list[count];
   const int d = _i;
   dls_contact p = row(d, d > 1 ? 0.3 : 0);
@@ -74,7 +69,6 @@ START_TEST(proofs) {
   q[d * 32] = -1;
   ck_assert_int_eq(touching(&p, list), 0); /* the copy would not pay */
 }
-END_TEST
 
 static int watch(void *data, const dls_progress *p) {
   int *calls = data;
@@ -85,22 +79,18 @@ static int watch(void *data, const dls_progress *p) {
 }
 
 /* auto finds the answer that sweeps over all candidates find; the caller sees all of r. */
-START_TEST(answers) {
+TEST(answers) {
   const dls_contact p = row(3, 0.3);
   double r[most], s[most], u[most];
   int calls = 0;
   dls_info info;
-  dls_certificate c;
-  dls_solver_settings settings;
-  dls_solver *solver;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-10;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-10);
   settings.limits.progress = watch;
   settings.limits.progress_data = &calls;
-  ck_assert_int_eq(dls_solver_create(&solver, 3, count, &settings, NULL), DLS_OK);
+  dls_solver *solver = solver_of(3, count, &settings);
   ck_assert_int_eq(dls_solver_solve(solver, &p, r, u, &info, NULL), DLS_OK);
   ck_assert_int_gt(calls, 1);
-  ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(&p, r);
   ck_assert(dls_certificate_holds(&c, 1e-10));
   ck_assert_double_eq(c.residual, info.certificate.residual);
   for (int k = 0; k < count; k++) {
@@ -111,20 +101,16 @@ START_TEST(answers) {
   dls_limits limits = {.tol = 1e-10, .warm_start = 1};
   ck_assert_int_eq(dls_solver_set_limits(solver, &limits, NULL), DLS_OK);
   ck_assert_int_eq(dls_solver_solve(solver, &p, s, NULL, NULL, NULL), DLS_OK);
-  for (int k = 0; k < most; k++)
-    ck_assert(fabs(r[k] - s[k]) <= 1e-8);
+  assert_near(r, s, most, 1e-8);
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* The caller may end a solve on the copy; r is the best one, of all candidates. */
-START_TEST(stops) {
+TEST(stops) {
   const dls_contact p = row(3, 0.3);
   double r[most];
   dls_info info;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-12;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-12);
   settings.limits.max_iterations = 2;
   memset(r, 255, sizeof r);
   ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
@@ -133,16 +119,13 @@ START_TEST(stops) {
     if (k < 14 || k >= 26) ck_assert(r[3 * k] == 0);
   ck_assert(r[3 * 19] > 0);
 }
-END_TEST
 
 /* Without memory for the list or the copy the whole is solved. */
-START_TEST(no_memory) {
+TEST(no_memory) {
   const dls_contact p = row(2, 0.3);
   double r[most];
-  dls_solver_settings settings;
-  dls_solver *solver;
-  dls_solver_settings_init(&settings);
-  ck_assert_int_eq(dls_solver_create(&solver, 2, count, &settings, NULL), DLS_OK);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
+  dls_solver *solver = solver_of(2, count, &settings);
   for (long k = 1; k <= 2; k++) {
     malloc_fails_at(k);
     const dls_status status = dls_solver_solve(solver, &p, r, NULL, NULL, NULL);
@@ -152,7 +135,6 @@ START_TEST(no_memory) {
   }
   dls_solver_destroy(solver);
 }
-END_TEST
 
 static int go_on(void *data, const dls_progress *progress) {
   (void)data;
@@ -161,7 +143,7 @@ static int go_on(void *data, const dls_progress *progress) {
 }
 
 /* The copy takes the caller's weights along, also while it shows r of all candidates. */
-START_TEST(weights) {
+TEST_EACH(weights, 1, 4) {
   const int d = _i;
   static double given[2 * count], r[most], without[most];
   dls_contact p = row(d, d > 1 ? 0.3 : 0);
@@ -169,23 +151,13 @@ START_TEST(weights) {
     mu[c] = 0;
   for (int c = 0; c < 2 * count; c++)
     given[c] = 1 + c % 3;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-12;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-12);
   settings.limits.progress = go_on;
   dls_info info;
-  dls_certificate certificate;
   ck_assert_int_eq(dls_solve(&p, &settings, without, NULL, &info, NULL), DLS_OK);
   p.weights = given;
   ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, &info, NULL), DLS_OK);
-  ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &certificate, NULL), DLS_OK);
+  const dls_certificate certificate = certificate_of(&p, r);
   ck_assert(certificate.residual == info.certificate.residual);
-  for (int k = 0; k < d * count; k++)
-    ck_assert_double_eq_tol(r[k], without[k], 1e-10);
-}
-END_TEST
-
-int main(void) {
-  return RUN("apart", NULL, NULL, EACH(proofs, 1, 4), ONCE(answers), EACH(weights, 1, 4),
-             ONCE(stops), ONCE(no_memory));
+  assert_near(r, without, d * count, 1e-10);
 }

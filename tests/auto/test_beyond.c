@@ -1,12 +1,7 @@
 /* test_beyond.c: more than 300 rows, W dense: Lemke's method after all else has failed, and its
  * proofs. */
-#include <check.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "delassus/solve.h"
-#include "delassus/trust.h"
-#include "malloc_fails.h"
+#include "delassus.h"
+#include "made.h"
 #include "run.h"
 
 enum { n = 310 };
@@ -35,13 +30,12 @@ static dls_contact definite(unsigned seed) {
 }
 
 static dls_solver_settings at_1e_8(void) {
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   return settings;
 }
 
 /* The answer is the planted one: W is definite. */
-START_TEST(pivots_solve_it) {
+TEST_EACH(pivots_solve_it, 0, 3) {
   const dls_contact p = definite(2 + 2 * (unsigned)_i);
   const dls_solver_settings settings = at_1e_8();
   dls_info info;
@@ -50,17 +44,15 @@ START_TEST(pivots_solve_it) {
   for (int i = 0; i < n; i++)
     ck_assert_double_eq_tol(r[i], planted[i] > 0 ? planted[i] : 0, 1e-5);
 }
-END_TEST
 
 /* Candidate 7 cannot be pushed up: row 7 of W is 0, q_7 < 0. The proof is that row. */
-START_TEST(pivots_prove_it) {
+TEST(pivots_prove_it) {
   dls_contact p = definite(2);
   const dls_solver_settings settings = at_1e_8();
-  dls_solver *solver;
   for (int j = 0; j < n; j++)
     W[7 + n * j] = W[j + n * 7] = 0;
   q[7] = -1;
-  ck_assert_int_eq(dls_solver_create(&solver, 1, n, &settings, NULL), DLS_OK);
+  dls_solver *solver = solver_of(1, n, &settings);
   ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, NULL, NULL), DLS_NO_SOLUTION);
   const double *v = dls_solver_farkas(solver);
   ck_assert_ptr_nonnull(v);
@@ -71,19 +63,17 @@ START_TEST(pivots_prove_it) {
   ck_assert_ptr_null(dls_solver_farkas(solver));
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* Its table is allocated in the solve; without memory the error says so, and r stays. Without
  * memory for the list of what may touch (apart.c) the whole is solved. */
-START_TEST(no_memory_for_the_table) {
+TEST(no_memory_for_the_table) {
   const dls_contact p = definite(2);
   const dls_solver_settings settings = at_1e_8();
   int refused = 0;
   long calls = 1;
   for (long k = 0; k <= calls; k++) {
-    dls_solver *solver;
     dls_error error = {0};
-    ck_assert_int_eq(dls_solver_create(&solver, 1, n, &settings, NULL), DLS_OK);
+    dls_solver *solver = solver_of(1, n, &settings);
     for (int i = 0; i < n; i++)
       r[i] = -7;
     malloc_fails_at(k);
@@ -98,10 +88,4 @@ START_TEST(no_memory_for_the_table) {
     dls_solver_destroy(solver);
   }
   ck_assert_int_ge(refused, 2);
-}
-END_TEST
-
-int main(void) {
-  return RUN("beyond", NULL, NULL, EACH(pivots_solve_it, 0, 3), ONCE(pivots_prove_it),
-             ONCE(no_memory_for_the_table));
 }

@@ -1,13 +1,9 @@
 /* test_packings.c: packings of rigid bodies, the stages that auto takes on them; an elastic
  * body by blocks. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus/solve.h"
 #include "front_cases.h"
+#include "made.h"
 #include "rigid.h"
 #include "run.h"
 
@@ -16,20 +12,16 @@ static dls_info pack_by(dls_method method, dls_acceleration acceleration, const 
                         int candidates, uint64_t seed, double tol, int spare) {
   rigid a;
   dls_info info = {.status = DLS_STALLED};
-  dls_certificate c;
-  dls_solver_settings settings;
-  dls_solver *solver;
   ck_assert_int_eq(rigid_create(&a, kind, candidates, 0.5, seed), 0);
   double *r = calloc((size_t)(a.d * a.contact.nc), sizeof *r);
   ck_assert_ptr_nonnull(r);
-  dls_solver_settings_init(&settings);
-  settings.method = method;
+  dls_solver_settings settings = settings_with(method, default_tol);
   settings.acceleration = acceleration;
   settings.limits.tol = tol;
   settings.limits.blocks = a.contact.Wb.p[a.contact.nc];
-  ck_assert_int_eq(dls_solver_create(&solver, a.d, a.contact.nc + spare, &settings, NULL), DLS_OK);
+  dls_solver *solver = solver_of(a.d, a.contact.nc + spare, &settings);
   ck_assert_int_eq(dls_solver_solve(solver, &a.contact, r, NULL, &info, NULL), DLS_OK);
-  ck_assert_int_eq(dls_contact_certify(&a.contact, r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(&a.contact, r);
   ck_assert(dls_certificate_holds(&c, tol));
   dls_solver_destroy(solver);
   free(r);
@@ -44,7 +36,7 @@ static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol
 
 /* Sweeps are enough for 1e-4, with momentum where there are many candidates; the convex problem may
  * be tried beside them. */
-START_TEST(sweeps_are_enough) {
+TEST_EACH(sweeps_are_enough, 0, 3) {
   static const int sizes[] = {300, 700, 2500};
   static const char *const kinds[] = {"packing-rest", "packing-flow"};
   for (int k = 0; k < 2; k++) {
@@ -55,11 +47,10 @@ START_TEST(sweeps_are_enough) {
       if (info.stage[s].step != DLS_STEP_CONVEX) ck_assert_int_eq(info.stage[s].method, DLS_NLGS);
   }
 }
-END_TEST
 
 /* A tight packing begins with momentum, which goes on between looks for candidates to sweep alone:
  * it takes less than half of the plain sweeps then. */
-START_TEST(tight_ones_take_momentum) {
+TEST(tight_ones_take_momentum) {
   for (uint64_t seed = 2; seed <= 8; seed += 6) {
     const dls_info a = pack("packing-flow", 300, seed, 1e-4);
     const dls_info momentum =
@@ -71,10 +62,9 @@ START_TEST(tight_ones_take_momentum) {
     ck_assert_int_lt(2 * momentum.iterations, plain.iterations);
   }
 }
-END_TEST
 
 /* Sweeps are as patient in a workspace with room for 1000 candidates more. */
-START_TEST(room_changes_nothing) {
+TEST(room_changes_nothing) {
   static const char *const kinds[] = {"packing-rest", "discs-rest"};
   for (int k = 0; k < 2; k++) {
     const dls_info a = pack(kinds[k], 300, 4, 1e-4);
@@ -84,20 +74,18 @@ START_TEST(room_changes_nothing) {
       ck_assert_int_eq(a.stage[s].iterations, b.stage[s].iterations);
   }
 }
-END_TEST
 
 /* Newton's method takes over where the residual is small already, not before. */
-START_TEST(newton_ends_it) {
+TEST(newton_ends_it) {
   const dls_info info = pack("packing-flow", 300, 2, 1e-10);
   ck_assert_int_eq(info.stage[info.stages - 1].method, DLS_NEWTON);
   for (int s = 1; s < info.stages; s++)
     if (info.stage[s].method == DLS_NEWTON) ck_assert(info.stage[s - 1].residual <= 1e-5);
 }
-END_TEST
 
 /* Where sweeps get nowhere, the augmented Lagrangian takes turns of equal cost with them, and goes
  * on from where it was: it needs as many augmentations as alone, and not 12228 sweeps before. */
-START_TEST(sweeps_that_stall) {
+TEST(sweeps_that_stall) {
   const dls_info info = pack("packing-rest", 300, 4, 1e-8);
   const dls_info alone =
       pack_by(DLS_AUGMENTED_LAGRANGIAN, DLS_ACCELERATION_NONE, "packing-rest", 300, 4, 1e-8, 0);
@@ -110,10 +98,9 @@ START_TEST(sweeps_that_stall) {
   ck_assert_int_lt(sweeps, 6000);
   ck_assert_int_le(augmentations, alone.iterations + 10);
 }
-END_TEST
 
 /* An elastic body by blocks is no packing: the stages and steps are those of its dense W. */
-START_TEST(elastic_by_blocks) {
+TEST(elastic_by_blocks) {
   enum { nc = 1100, m = 2 * nc };
   double *W = calloc((size_t)m * m, sizeof *W), *x = calloc((size_t)m * m, sizeof *x);
   double *q = calloc(4 * m, sizeof *q), *r = q + m, *s = r + m, *mu = s + m;
@@ -136,12 +123,11 @@ START_TEST(elastic_by_blocks) {
   free(q);
   free(p);
 }
-END_TEST
 
 /* What settles in a box from random places is not what a lattice becomes: in 2D Anderson's sweeps
  * are the quickest, and auto takes them, of bodies, too (momentum alone needs three times the
  * sweeps, plain ones more than nine times). */
-START_TEST(settled_ones_take_the_quickest_way) {
+TEST(settled_ones_take_the_quickest_way) {
   rigid a;
   ck_assert_int_eq(rigid_create(&a, "discs-rest", 3000, 0.5, 4), 0);
   for (int bodies = 0; bodies < 2; bodies++) {
@@ -150,9 +136,7 @@ START_TEST(settled_ones_take_the_quickest_way) {
     double *r = calloc((size_t)(a.d * a.contact.nc), sizeof *r);
     ck_assert_ptr_nonnull(r);
     for (int k = 0; k < 3; k++) {
-      dls_solver_settings settings;
-      dls_solver_settings_init(&settings);
-      settings.method = k ? DLS_NLGS : DLS_AUTO;
+      dls_solver_settings settings = settings_with(k ? DLS_NLGS : DLS_AUTO, default_tol);
       settings.acceleration = k == 1 ? DLS_ACCELERATION_MOMENTUM : DLS_ACCELERATION_NONE;
       settings.limits.tol = 1e-4;
       ck_assert_int_eq(dls_solve(problem, &settings, r, NULL, &info[k], NULL), DLS_OK);
@@ -163,23 +147,21 @@ START_TEST(settled_ones_take_the_quickest_way) {
   }
   rigid_free(&a);
 }
-END_TEST
 
 /* Densities a thousand times each other's: the residual falls slowly, by whichever way. Anderson's
  * sweeps need the fewest, and get their time. */
-START_TEST(slow_ones_take_it_too) {
+TEST(slow_ones_take_it_too) {
   const dls_info a = pack("mixed2-rest", 1500, 2, 1e-4);
   const dls_info anderson =
       pack_by(DLS_NLGS, DLS_ACCELERATION_ANDERSON, "mixed2-rest", 1500, 2, 1e-4, 0);
   ck_assert_int_eq(a.stage[a.stages - 1].step, DLS_STEP_MOMENTUM);
   ck_assert_int_lt(a.iterations, 2 * anderson.iterations);
 }
-END_TEST
 
 /* A train of gears on heavy axles, driven at both ends, four flanks a pair: a factorisation costs a
  * few sweeps, and sweeps that seem to be near go on for thousands. The convex problem comes early,
  * to any tolerance. */
-START_TEST(rows_of_bodies_need_few_sweeps) {
+TEST_EACH(rows_of_bodies_need_few_sweeps, 0, 3) {
   enum { gears = 80, nc = 4 * (gears - 1) };
   static int body[2 * nc], p[nc + 1], i[16 * nc];
   static double H[12 * nc], q[2 * nc], mu[nc], x[64 * nc], r[2 * nc];
@@ -217,21 +199,10 @@ START_TEST(rows_of_bodies_need_few_sweeps) {
   train.bodies = (dls_bodies){0};
   train.Wb = W;
   for (int k = 0; k < 2; k++) {
-    dls_solver_settings settings;
     dls_info info;
-    dls_solver_settings_init(&settings);
-    settings.limits.tol = k ? 1e-8 : 1e-4;
+    dls_solver_settings settings = settings_with(DLS_AUTO, k ? 1e-8 : 1e-4);
     ck_assert_int_eq(dls_solve(&train, &settings, r, NULL, &info, NULL), DLS_OK);
     ck_assert_int_eq(info.stage[1].step, DLS_STEP_CONVEX);
     ck_assert_int_lt(info.iterations, 150);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3),
-             EACH(rows_of_bodies_need_few_sweeps, 0, 3), ONCE(tight_ones_take_momentum),
-             ONCE(room_changes_nothing), ONCE(newton_ends_it), ONCE(sweeps_that_stall),
-             ONCE(elastic_by_blocks), ONCE(settled_ones_take_the_quickest_way),
-             ONCE(slow_ones_take_it_too));
 }

@@ -1,13 +1,8 @@
 /* test_plans.c: the report of auto on its steps; plans and omitted steps that a caller names. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/solve.h"
 #include "failures.h"
 #include "front_cases.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "rigid.h"
 #include "run.h"
 
@@ -22,8 +17,7 @@ static dls_contact hard(void) {
 }
 
 static dls_solver_settings given(const char *plan, const char *without) {
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   s.plan = plan;
   s.without = without;
   return s;
@@ -56,7 +50,7 @@ static void check_reasons(const dls_info *info) {
   ck_assert_int_eq(last == DLS_REASON_SOLVED, info->status == DLS_OK);
 }
 
-START_TEST(steps_have_names_and_reasons) {
+TEST(steps_have_names_and_reasons) {
   for (int k = 0; k < 12; k++) {
     const dls_contact p = planted_case(&storage, k);
     const dls_info info = solve_auto(&p, 1e-10, r);
@@ -68,10 +62,9 @@ START_TEST(steps_have_names_and_reasons) {
       ck_assert(info.stage[i].cpu_seconds == 0); /* nobody asks: no clock is read */
   }
 }
-END_TEST
 
 /* Words that the steps go by are distinct and without gaps; a plan takes all but two. */
-START_TEST(words) {
+TEST(words) {
   int count = 0;
   const dls_contact p = hard();
   for (; dls_step_name((dls_step)count); count++) {
@@ -99,10 +92,9 @@ START_TEST(words) {
   }
   ck_assert_int_eq(count, DLS_REGIME_GIVEN + 1);
 }
-END_TEST
 
 /* The steps are those of the plan, in its order, with its iterations, until one solves. */
-START_TEST(a_plan_is_followed) {
+TEST(a_plan_is_followed) {
   const dls_contact p = hard();
   const dls_solver_settings s = given("sweeps:30, newton:2 ,momentum:7,anderson:3", NULL);
   static const dls_step steps[] = {DLS_STEP_ANDERSON, DLS_STEP_NEWTON, DLS_STEP_MOMENTUM,
@@ -117,11 +109,10 @@ START_TEST(a_plan_is_followed) {
   }
   ck_assert_int_eq(info.status, DLS_STALLED);
 }
-END_TEST
 
 /* The last step of a plan has no forecast; one before it has. */
 /* An answer whose reactions may have a large error is made better by auto, and told by a plan. */
-START_TEST(a_plan_is_followed_once) {
+TEST(a_plan_is_followed_once) {
   failure f; /* an answer of residual 1e-8 has reactions to 1e-3 */
   char why[200];
   ck_assert_msg(failure_read(TEST_DATA "/failures", "c25-unsymmetric", &f, why), "%s", why);
@@ -131,11 +122,10 @@ START_TEST(a_plan_is_followed_once) {
   ck_assert(info.status == DLS_OK && info.error > 1e-4);
   ck_assert_int_eq(info.stages, 1);
 }
-END_TEST
 
 /* Momentum that is interrupted goes on from where it was: the same sweeps as in one go. Begun
  * again, mixed3-rest takes 7279 of them in place of 4681. */
-START_TEST(momentum_goes_on) {
+TEST_EACH(momentum_goes_on, 0, 3) {
   static const char *const kinds[] = {"packing-rest", "mixed3-rest", "rubble-pushed"};
   rigid a;
   int sweeps[2] = {0};
@@ -154,9 +144,8 @@ START_TEST(momentum_goes_on) {
   free(x);
   rigid_free(&a);
 }
-END_TEST
 
-START_TEST(forecasts_in_a_plan) {
+TEST(forecasts_in_a_plan) {
   const dls_contact p = hard();
   const dls_solver_settings one = given("anderson", NULL), two = given("anderson,newton:1", NULL);
   const dls_info alone = solve_with(&p, &one), both = solve_with(&p, &two);
@@ -165,10 +154,9 @@ START_TEST(forecasts_in_a_plan) {
   ck_assert_int_gt(alone.stage[0].iterations, both.stage[0].iterations);
   ck_assert_int_ne(alone.stage[0].reason, DLS_REASON_COSTLIER);
 }
-END_TEST
 
 /* A plan less a step is the plan without the word; one that names every step takes none. */
-START_TEST(a_plan_less_a_step) {
+TEST(a_plan_less_a_step) {
   const dls_contact p = hard();
   const dls_solver_settings whole = given("anderson:9,newton:3", NULL);
   const dls_solver_settings less = given("anderson:9,splitting:4,newton:3", "splitting");
@@ -179,7 +167,6 @@ START_TEST(a_plan_less_a_step) {
   ck_assert_int_eq(c.stages, 0);
   ck_assert_int_eq(c.status, DLS_STALLED);
 }
-END_TEST
 
 /* Three steps of a load, each from the answer before; r: 3 x 4, of all of them. Returns the last
  * status. */
@@ -205,7 +192,7 @@ static dls_status follow_load(const dls_solver_settings *s, double *u, dls_info 
 
 /* Every word of a plan with every step left out, warm and cold: a NULL for u changes no bit of r,
  * and one for info not how the solve ends (solve.h: it is not improved by its predicted error). */
-START_TEST(outputs_that_nobody_wants) {
+TEST(outputs_that_nobody_wants) {
   enum { names = DLS_STEP_ON_K + 1, more = 4 };
   const char *plans[names + more] = {"homotopy,scatter", "sweeps:1,scatter",
                                      "newton:1,splitting,newton"};
@@ -232,10 +219,9 @@ START_TEST(outputs_that_nobody_wants) {
         }
       }
 }
-END_TEST
 
 /* Auto's own plans without one of the steps that it takes: the others as before, up to there. */
-START_TEST(without_a_step) {
+TEST(without_a_step) {
   const dls_contact p = hard();
   const dls_solver_settings own = given(NULL, NULL);
   const dls_info all = solve_with(&p, &own);
@@ -248,10 +234,9 @@ START_TEST(without_a_step) {
       ck_assert_int_eq(info.stage[i].step, all.stage[i].step);
   }
 }
-END_TEST
 
 /* Errors name the setting, the word and the right ones; r and info stay. */
-START_TEST(wrong_words) {
+TEST(wrong_words) {
   static const struct {
     const char *plan, *without, *says;
   } wrong[] = {{"sweeps,newtn", NULL, "'newtn' is no step: sweeps anderson"},
@@ -296,10 +281,9 @@ START_TEST(wrong_words) {
   ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, &error), DLS_E_ARGUMENT);
   ck_assert_ptr_nonnull(strstr(error.message, "more than 40 steps"));
 }
-END_TEST
 
 /* A solver keeps no pointer to the words, solves the same again, and unwinds without memory. */
-START_TEST(words_are_read_once) {
+TEST(words_are_read_once) {
   const dls_contact p = hard();
   char plan[] = "anderson:4,newton:2", without[] = "scatter";
   const dls_solver_settings s = given(plan, without);
@@ -317,10 +301,9 @@ START_TEST(words_are_read_once) {
   ck_assert_int_eq(info[0].stages, 2);
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* Steps that cannot be taken leave a line, and the plan goes on. */
-START_TEST(not_applicable) {
+TEST(not_applicable) {
   dls_contact p = hard();
   dls_solver_settings s = given("convex,anderson:3", NULL);
   dls_info info = solve_with(&p, &s);
@@ -336,14 +319,13 @@ START_TEST(not_applicable) {
   for (int k = 0; k < 3; k++)
     ck_assert_int_eq(info.stage[k].reason, DLS_REASON_NOT_APPLICABLE);
 }
-END_TEST
 
 static int cancel(void *data, const dls_progress *progress) {
   (void)data;
   return progress->iteration >= 3;
 }
 
-START_TEST(limits_of_the_caller) {
+TEST(limits_of_the_caller) {
   const dls_contact p = hard();
   dls_solver_settings s = given(NULL, NULL);
   s.limits.max_iterations = 12;
@@ -362,10 +344,9 @@ START_TEST(limits_of_the_caller) {
   ck_assert_int_eq(info.stage[info.stages - 1].reason, DLS_REASON_CANCELLED);
   ck_assert_int_eq(info.stage[info.stages - 1].iterations, 3);
 }
-END_TEST
 
 /* Candidate 7 cannot be pushed up. A plan proves it, too, and returns the proof. */
-START_TEST(proofs) {
+TEST(proofs) {
   dls_contact p = hard();
   const int row = 2 * 7;
   for (int j = 0; j < 2 * nc; j++)
@@ -373,9 +354,8 @@ START_TEST(proofs) {
   storage.q[row] = -1;
   for (int k = 0; k < 2; k++) {
     const dls_solver_settings s = given(k ? "anderson:3,lemke" : NULL, NULL);
-    dls_solver *solver;
     dls_info info;
-    ck_assert_int_eq(dls_solver_create(&solver, 2, nc, &s, NULL), DLS_OK);
+    dls_solver *solver = solver_of(2, nc, &s);
     ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, &info, NULL), DLS_NO_SOLUTION);
     ck_assert_int_eq(info.stage[info.stages - 1].step, DLS_STEP_LEMKE);
     ck_assert_int_eq(info.stage[info.stages - 1].reason, DLS_REASON_NO_SOLUTION);
@@ -384,10 +364,9 @@ START_TEST(proofs) {
     dls_solver_destroy(solver);
   }
 }
-END_TEST
 
 /* A limit of time asks for the clock. */
-START_TEST(seconds_of_each_step) {
+TEST(seconds_of_each_step) {
   const dls_contact p = hard();
   dls_solver_settings s = given(NULL, NULL);
   double all = 0;
@@ -399,10 +378,9 @@ START_TEST(seconds_of_each_step) {
   }
   ck_assert(all > 0 && all < 1e3);
 }
-END_TEST
 
 /* Rigid bodies: momentum has its name, structures at rest are convex, and say so. */
-START_TEST(names_of_what_ran) {
+TEST_EACH(names_of_what_ran, 0, 4) {
   static const struct {
     const char *kind;
     int candidates;
@@ -430,11 +408,10 @@ START_TEST(names_of_what_ran) {
   free(x);
   rigid_free(&a);
 }
-END_TEST
 
 /* Ill-conditioned: the homotopy comes near an answer at once. The augmented Lagrangian and ADMM add
  * the last digits, so that no further path is needed. */
-START_TEST(last_digits_after_a_short_path) {
+TEST_EACH(last_digits_after_a_short_path, 0, 4) {
   static const unsigned seeds[] = {8, 9, 22, 31};
   const dls_contact p = planted_graded(&storage, 3, 12, 18, 1e8, 0.3, seeds[_i]);
   dls_solver_settings s = given(NULL, NULL);
@@ -445,10 +422,9 @@ START_TEST(last_digits_after_a_short_path) {
   for (int k = 0; k < info.stages; k++)
     if (info.stage[k].step == DLS_STEP_HOMOTOPY) ck_assert_int_le(info.stage[k].iterations, 100);
 }
-END_TEST
 
 /* Far from an answer the many paths follow the short one immediately. */
-START_TEST(no_last_digits_far_from_an_answer) {
+TEST(no_last_digits_far_from_an_answer) {
   failure f;
   char why[200];
   ck_assert_msg(failure_read("data/failures", "c03-jam-above", &f, why), "%s", why);
@@ -462,10 +438,9 @@ START_TEST(no_last_digits_far_from_an_answer) {
   ck_assert_double_gt(info.stage[k].residual, 0.05);
   ck_assert_int_eq(info.stage[k + 1].step, DLS_STEP_HOMOTOPY);
 }
-END_TEST
 
 /* Each problem of a batch follows the plan, none goes into lanes. */
-START_TEST(batches) {
+TEST(batches) {
   static const double W[] = {2, 0.5, 0.5, 1}, q[] = {-1, 0.3}, mu[] = {0.4};
   const dls_contact one = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   const dls_contact all[] = {one, one};
@@ -477,9 +452,8 @@ START_TEST(batches) {
   for (int k = 0; k < 2; k++)
     ck_assert(info[k].stages == 1 && info[k].stage[0].step == DLS_STEP_NEWTON);
 }
-END_TEST
 
-START_TEST(in_words) {
+TEST(in_words) {
   const dls_contact p = hard();
   dls_solver_settings s = given(NULL, NULL);
   s.limits.cpu_seconds = 1e3;
@@ -513,16 +487,4 @@ START_TEST(in_words) {
   info.method = DLS_NLGS;
   dls_explain(&info, text, sizeof text);
   ck_assert(strncmp(text, "nlgs alone", 10) == 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("plans", NULL, NULL, ONCE(steps_have_names_and_reasons), ONCE(words),
-             ONCE(a_plan_is_followed), ONCE(a_plan_is_followed_once), EACH(momentum_goes_on, 0, 3),
-             ONCE(forecasts_in_a_plan), ONCE(outputs_that_nobody_wants), ONCE(a_plan_less_a_step),
-             ONCE(without_a_step), ONCE(wrong_words), ONCE(words_are_read_once),
-             ONCE(not_applicable), ONCE(limits_of_the_caller), ONCE(proofs),
-             ONCE(seconds_of_each_step), EACH(names_of_what_ran, 0, 4),
-             EACH(last_digits_after_a_short_path, 0, 4), ONCE(no_last_digits_far_from_an_answer),
-             ONCE(batches), ONCE(in_words));
 }

@@ -1,9 +1,4 @@
 /* test_renumber.c: the copy of a problem in its own order and units, and auto on it. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "auto/auto.h"
 #include "cases.h"
 #include "delassus/solve.h"
@@ -31,7 +26,7 @@ static void expect_same_copy(const copied *a, const copied *b) {
 }
 
 /* Candidates in reverse, odd powers of two, and blocks: the same copy, to the bit. */
-START_TEST(copies_are_the_same) {
+TEST_EACH(copies_are_the_same, 0, 20) {
   static model a, b, c;
   static block_storage B;
   copied one, two, three;
@@ -54,10 +49,9 @@ START_TEST(copies_are_the_same) {
   free(two.arena.base);
   free(three.arena.base);
 }
-END_TEST
 
 /* The largest |W| and |q| lie between 1 and 2 in the copy; of 0 no power is divided out. */
-START_TEST(powers_of_two) {
+TEST(powers_of_two) {
   static model a;
   set_model(&a, 2, 2);
   for (int k = 0; k < 3; k++) {
@@ -76,10 +70,9 @@ START_TEST(powers_of_two) {
     free(c.arena.base);
   }
 }
-END_TEST
 
 /* A ring of candidates that nothing tells apart but their neighbours, in two orders. */
-START_TEST(equal_candidates_are_told_apart_by_neighbours) {
+TEST(equal_candidates_are_told_apart_by_neighbours) {
   enum { nc = 6 };
   static model a[2];
   static const int place[2][nc] = {{0, 1, 2, 3, 4, 5}, {3, 0, 5, 1, 4, 2}};
@@ -102,11 +95,10 @@ START_TEST(equal_candidates_are_told_apart_by_neighbours) {
   free(c[0].arena.base);
   free(c[1].arena.base);
 }
-END_TEST
 
 /* Candidates that nothing tells apart but their q_n, by less than an order by size sees, the sign
  * of their q_t, or their friction, in two orders. */
-START_TEST(equal_candidates_are_told_apart_by_loads) {
+TEST_EACH(equal_candidates_are_told_apart_by_loads, 0, 3) {
   enum { nc = 4 };
   static model a[2];
   static const int place[2][nc] = {{0, 1, 2, 3}, {2, 3, 1, 0}};
@@ -127,12 +119,11 @@ START_TEST(equal_candidates_are_told_apart_by_loads) {
   free(c[0].arena.base);
   free(c[1].arena.base);
 }
-END_TEST
 
 /* By hand, unsymmetric, with blocks of one place that add up and one that is missing: W over 2^2,
  * its largest entry being 7, q over 2^-2 (0.375), in the order that `from` tells, which names each
  * once. */
-START_TEST(a_copy_by_hand) {
+TEST(a_copy_by_hand) {
   const double W[3][3] = {{5, 0, -7}, {2, 3, 0.5}, {0, 6, 4}}, q[3] = {0.25, -0.375, 0.125};
   const int p[4] = {0, 2, 4, 7}, i[7] = {0, 1, 2, 1, 2, 0, 2};
   const double x[7] = {5, 2, 6, 3, 1, -7, 3}, mu[3] = {0, 0, 0};
@@ -163,10 +154,9 @@ START_TEST(a_copy_by_hand) {
     free(c.arena.base);
   }
 }
-END_TEST
 
 /* Nothing but zeros has no unit; a power of two is its own. */
-START_TEST(units_of_the_copy) {
+TEST(units_of_the_copy) {
   static const double largest[3] = {0, 4, 0x1p-1074}, over[3] = {0, 2, -1074};
   for (int k = 0; k < 3; k++) {
     const double W[4] = {0, 0, 0, -largest[k]}, q[2] = {0, -largest[k]}, mu = 0.5;
@@ -178,11 +168,10 @@ START_TEST(units_of_the_copy) {
     free(c.arena.base);
   }
 }
-END_TEST
 
 /* Candidates that one thing tells apart: u_n of one that moves another, or is moved by it; a
  * coupling of n and t in one block; the second tangent; in any order the same copy. */
-START_TEST(one_entry_tells_apart) {
+TEST_EACH(one_entry_tells_apart, 0, 5) {
   static const int place[3][4] = {{0, 1, 2, 3}, {2, 3, 1, 0}, {1, 0, 3, 2}};
   static const int entry[5][4] = {/* candidate, row, candidate, column */
                                   {0, 0, 1, 0},
@@ -208,7 +197,6 @@ START_TEST(one_entry_tells_apart) {
   for (int k = 0; k < 3; k++)
     free(c[k].arena.base);
 }
-END_TEST
 
 /* W = B B' of whole numbers and low rank, much friction; any q, so that some have no solution. */
 static void hard_model(model *a, int i) {
@@ -230,7 +218,7 @@ static void hard_model(model *a, int i) {
 }
 
 /* Verdicts of auto do not depend on the order of the candidates, nor on odd powers of two. */
-START_TEST(order_keeps_the_verdict) {
+TEST_EACH(order_keeps_the_verdict, 0, 24) {
   static model a, b, c;
   double r[most];
   dls_info one, two, three;
@@ -243,12 +231,11 @@ START_TEST(order_keeps_the_verdict) {
   ck_assert_int_eq(one.status, two.status);
   ck_assert_int_eq(one.status, three.status);
 }
-END_TEST
 
 /* What auto gives back unsolved is the best r of all stages, those on the copy and those before:
  * problems of random numbers, of which some are not solved. Residuals of a copy are rounded, as the
  * floors say. */
-START_TEST(unsolved_gives_the_best_of_all_stages) {
+TEST(unsolved_gives_the_best_of_all_stages) {
   static model a;
   int unsolved = 0;
   for (int k = 0; k < 30; k++) {
@@ -272,13 +259,4 @@ START_TEST(unsolved_gives_the_best_of_all_stages) {
       ck_assert_double_le(c->residual, (1 + 1e-9) * info.stage[stage].residual + rounding);
   }
   ck_assert_int_ge(unsolved, 5);
-}
-END_TEST
-
-int main(void) {
-  return RUN("renumber", NULL, NULL, ONCE(powers_of_two), EACH(copies_are_the_same, 0, 20),
-             ONCE(equal_candidates_are_told_apart_by_neighbours),
-             EACH(equal_candidates_are_told_apart_by_loads, 0, 3),
-             EACH(order_keeps_the_verdict, 0, 24), ONCE(a_copy_by_hand), ONCE(units_of_the_copy),
-             EACH(one_entry_tells_apart, 0, 5), ONCE(unsolved_gives_the_best_of_all_stages));
 }

@@ -1,11 +1,7 @@
 /* test_steps.c: auto in steps: what one solve leaves to the next warm one (SQ1), (SQ2). */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
-#include "close.h"
 #include "delassus/solve.h"
 #include "front_cases.h"
+#include "made.h"
 #include "run.h"
 
 enum { nc = 60, m = 2 * nc, steps = 20 };
@@ -35,14 +31,13 @@ static dls_solver *steps_solver(int warm, int definite) {
   s.limits.tol = 1e-10;
   s.limits.warm_start = warm;
   s.positive_definite = definite;
-  dls_solver *solver;
-  ck_assert_int_eq(dls_solver_create(&solver, 2, nc, &s, NULL), DLS_OK);
+  dls_solver *solver = solver_of(2, nc, &s);
   return solver;
 }
 
 /* While all stick, a step needs no factorisation and no sweep, but one step of Newton's method,
  * whether it has its regularisation or not. */
-START_TEST(nothing_changes) {
+TEST_EACH(nothing_changes, 0, 2) {
   steps_make(0, 1000, .01);
   dls_solver *solver = steps_solver(1, _i);
   double r[m] = {0};
@@ -58,11 +53,10 @@ START_TEST(nothing_changes) {
   }
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* Where the answers lie on a line, it is followed without a stage, and what is said of the answer
  * is its certificate. */
-START_TEST(a_line_is_followed) {
+TEST(a_line_is_followed) {
   steps_make(0, 1000, 0);
   dls_solver *solver = steps_solver(1, 0);
   double r[m] = {0}, u[m];
@@ -82,11 +76,10 @@ START_TEST(a_line_is_followed) {
   ck_assert_int_ge(followed, steps / 2);
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* The path of free, slipping and sticking candidates: the answers are those of cold solves, for
  * fewer factorisations; all of it gives the same bits again. */
-START_TEST(answers_of_a_path) {
+TEST(answers_of_a_path) {
   static double path[2][steps][m];
   steps_make(.5, .3, .3);
   int factorisations[2] = {0}, iterations[2] = {0};
@@ -113,11 +106,10 @@ START_TEST(answers_of_a_path) {
   ck_assert_int_lt(2 * iterations[1], iterations[0]);
   ck_assert_int_lt(factorisations[1], factorisations[0]);
 }
-END_TEST
 
 /* Where the load jumps, a warm start costs no more than a cold one: sweeps have to sort the states
  * again. */
-START_TEST(loads_that_jump) {
+TEST(loads_that_jump) {
   steps_make(.5, .3, .3);
   dls_solver *cold = steps_solver(0, 0), *warm = steps_solver(1, 0);
   double r[m] = {0}, s[m];
@@ -138,11 +130,10 @@ START_TEST(loads_that_jump) {
   dls_solver_destroy(warm);
   dls_solver_destroy(cold);
 }
-END_TEST
 
 /* W may change under the factors, and candidates may come and go; what a warm solve keeps is not
  * seen by a cold one. */
-START_TEST(changes_are_seen) {
+TEST_EACH(changes_are_seen, 0, 2) {
   static double values[m * m + 3 * nc];
   steps_make(.2, _i ? .4 : 1000, .3);
   dls_solver *solver = steps_solver(1, 0), *fresh = steps_solver(0, 0);
@@ -163,8 +154,7 @@ START_TEST(changes_are_seen) {
     ck_assert_int_eq(dls_solver_solve(solver, &some, x, NULL, &info, NULL), DLS_OK);
     ck_assert_int_eq(dls_solver_solve(fresh, &some, s, NULL, NULL, NULL), DLS_OK);
     assert_close(x, s, 2 * count, 1e-7);
-    dls_certificate certificate;
-    ck_assert_int_eq(dls_contact_certify(&some, x, NULL, &certificate, NULL), DLS_OK);
+    const dls_certificate certificate = certificate_of(&some, x);
     ck_assert(dls_certificate_holds(&certificate, 1e-10));
     memset(r, 0, sizeof r);
     for (int c = 0; c < count; c++)
@@ -179,7 +169,6 @@ START_TEST(changes_are_seen) {
   dls_solver_destroy(fresh);
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* ---- d = 3 -------------------------------------------------------------------------------------
  */
@@ -218,14 +207,13 @@ static void space_load(double t, int jump) {
 
 /* Directions of slip turn with every step: the answers are those of cold solves, and on a smooth
  * path by few factorisations. Where the load jumps, sweeps solve it as they do from nothing. */
-START_TEST(slips_that_turn) {
+TEST_EACH(slips_that_turn, 0, 2) {
   const dls_contact p3 = space_make();
   dls_solver_settings settings = settings_of(DLS_AUTO);
   settings.limits.tol = 1e-10;
-  dls_solver *cold, *warm;
-  ck_assert_int_eq(dls_solver_create(&cold, 3, nc3, &settings, NULL), DLS_OK);
+  dls_solver *cold = solver_of(3, nc3, &settings);
   settings.limits.warm_start = 1;
-  ck_assert_int_eq(dls_solver_create(&warm, 3, nc3, &settings, NULL), DLS_OK);
+  dls_solver *warm = solver_of(3, nc3, &settings);
   double r[m3] = {0}, s[m3];
   int factorisations = 0, iterations[2] = {0}, by_steps = 0;
   for (int k = 1; k <= 2 * steps; k++) {
@@ -252,11 +240,4 @@ START_TEST(slips_that_turn) {
   }
   dls_solver_destroy(warm);
   dls_solver_destroy(cold);
-}
-END_TEST
-
-int main(void) {
-  return RUN("steps", NULL, NULL, EACH(nothing_changes, 0, 2), ONCE(a_line_is_followed),
-             ONCE(answers_of_a_path), ONCE(loads_that_jump), EACH(changes_are_seen, 0, 2),
-             EACH(slips_that_turn, 0, 2));
 }

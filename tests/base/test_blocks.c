@@ -1,8 +1,4 @@
 /* test_blocks.c: dense matrices to matrices by blocks and back, entry by entry. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "contact/contact.h"
 #include "run.h"
 
@@ -10,7 +6,7 @@ enum { room = 7 * 6 };
 
 /* One entry of a 6 x 6 matrix with room between its columns makes one block, wherever it stands;
  * what stands in the room, and -0, make none. */
-START_TEST(any_entry_makes_a_block) {
+TEST_EACH(any_entry_makes_a_block, 0, 3) {
   const int d = 1 + _i, n = 6 / d, ld = 7;
   double a[room];
   for (int at = 0; at < 36; at++) {
@@ -35,10 +31,9 @@ START_TEST(any_entry_makes_a_block) {
     ck_assert(B.d == d && B.n == n && B.p == p && B.i == i && B.x == x);
   }
 }
-END_TEST
 
 /* Blocks of a column in any order, of the same place added; the room between columns is left. */
-START_TEST(blocks_add_up) {
+TEST(blocks_add_up) {
   const int p[3] = {0, 3, 4}, i[4] = {1, 0, 1, 0};
   const double x[16] = {1, 2, 3, 4, 5, 6, 7, 8, 10, 20, 30, 40, 9, 10, 11, 12};
   const double expected[20] = {5, 6,  11, 22, 77, 7,  8,  33, 44, 77,
@@ -61,9 +56,8 @@ START_TEST(blocks_add_up) {
   const double blocks[12] = {5, 6, 7, 8, 11, 22, 33, 44, 9, 10, 11, 12};
   ck_assert_mem_eq(y, blocks, sizeof blocks);
 }
-END_TEST
 
-START_TEST(nothing) {
+TEST(nothing) {
   double none[1] = {77}, x[1];
   const int start[1] = {0};
   int p[1] = {77}, i[1], count = 77;
@@ -77,10 +71,9 @@ START_TEST(nothing) {
   ck_assert_int_eq(dls_blocks_to_dense(&empty, none, 1, NULL), DLS_OK);
   ck_assert(none[0] == 77);
 }
-END_TEST
 
 /* The number that is wrong, no index, and words with both sizes. */
-START_TEST(wrong_sizes) {
+TEST(wrong_sizes) {
   static const struct {
     int rows, d;
     const char *words;
@@ -89,32 +82,23 @@ START_TEST(wrong_sizes) {
              {-2, 2, "has -2 rows, not n times 2"}};
   double a[16] = {0};
   int count = 77;
-  dls_error e;
   for (int k = 0; k < 3; k++) {
     const dls_dense A = {bad[k].rows, bad[k].rows, 4, a};
-    ck_assert_int_eq(dls_blocks_count(&A, bad[k].d, &count, &e), DLS_E_SIZE);
-    ck_assert_str_eq(e.argument, "A");
-    ck_assert(e.index == -1 && e.value == bad[k].rows && count == 77);
-    ck_assert_msg(strstr(e.message, bad[k].words) != NULL, "%s", e.message);
+    REFUSES(SIZE, "A", -1, dls_blocks_count, &A, bad[k].d, &count);
+    ck_assert(last_refusal.index == -1 && last_refusal.value == bad[k].rows && count == 77);
+    ck_assert_msg(strstr(last_refusal.message, bad[k].words) != NULL, "%s", last_refusal.message);
   }
   const int p[3] = {0, 0, 0};
   for (int n = 0; n <= 2; n += 2) { /* ld is one less than it must be */
     const dls_blocks B = {2, n, p, NULL, NULL};
     const int ld = n ? 3 : 0;
-    ck_assert_int_eq(dls_blocks_to_dense(&B, a, ld, &e), DLS_E_SIZE);
-    ck_assert_str_eq(e.argument, "ld");
-    ck_assert(e.index == -1 && e.value == ld);
+    REFUSES(SIZE, "ld", -1, dls_blocks_to_dense, &B, a, ld);
+    ck_assert(last_refusal.index == -1 && last_refusal.value == ld);
     ck_assert_ptr_nonnull(
-        strstr(e.message, n ? "must be at least 2 x 2" : "must be at least 2 x 0"));
+        strstr(last_refusal.message, n ? "must be at least 2 x 2" : "must be at least 2 x 0"));
   }
   const dls_blocks B = {2, 2, p, NULL, NULL};
   a[0] = a[15] = 77;
   ck_assert_int_eq(dls_blocks_to_dense(&B, a, 4, NULL), DLS_OK);
   ck_assert(a[0] == 0 && a[15] == 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("blocks", NULL, NULL, EACH(any_entry_makes_a_block, 0, 3), ONCE(blocks_add_up),
-             ONCE(nothing), ONCE(wrong_sizes));
 }

@@ -1,15 +1,7 @@
 /* test_bodies.c: W = H^T H of rigid bodies: its blocks, products, certificate, subsets. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "contact/contact.h"
 #include "delassus.h"
-#include "delassus/derive.h"
-#include "errors.h"
-#include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"
 
@@ -18,7 +10,7 @@ static bodies_storage B;
 static dls_contact p;
 
 /* Blocks, rows increasing, symmetric to the last bit, are those of W dense. */
-START_TEST(blocks_are_those_of_dense) {
+TEST_EACH(blocks_are_those_of_dense, 0, 60) {
   bodies_model(&a, &B, &p, _i);
   const int d = a.p.d, nc = a.p.nc, m = d * nc;
   int count = -1, expected, start[most + 1], row[most * most];
@@ -39,10 +31,9 @@ START_TEST(blocks_are_those_of_dense) {
       ck_assert(W[i + m * j] == W[j + m * i]);
     }
 }
-END_TEST
 
 /* Everything that takes a problem says of bodies what it says of W dense. */
-START_TEST(doors_agree_with_dense) {
+TEST_EACH(doors_agree_with_dense, 0, 60) {
   bodies_model(&a, &B, &p, _i);
   const int d = a.p.d, nc = a.p.nc, m = d * nc;
   double r[most], u[2][most];
@@ -78,10 +69,9 @@ START_TEST(doors_agree_with_dense) {
   for (int k = 0; k < n * n; k++)
     ck_assert(fabs(M[0][k] - M[1][k]) <= 1e-13);
 }
-END_TEST
 
 /* A subset keeps the storage, and is that of W dense. */
-START_TEST(subset_of_bodies) {
+TEST_EACH(subset_of_bodies, 0, 3) {
   bodies_model(&a, &B, &p, 27 + _i);
   const int d = p.d, n = p.bodies.n;
   const int some[] = {0, 2, 3, 6}, count = 4;
@@ -105,10 +95,9 @@ START_TEST(subset_of_bodies) {
   const dls_status status = dls_contact_subset(&p, count, some, values[1], NULL, &out, &error);
   expect_error(status, &error, DLS_E_ARGUMENT, "dls_contact_subset", "index", -1);
 }
-END_TEST
 
 /* The generator of the benchmarks forms W by blocks in another way. */
-START_TEST(packing_by_another_way) {
+TEST_EACH(packing_by_another_way, 0, 3) {
   static const char *const kind[] = {"packing-flow", "wall-pushed", "tower"};
   rigid s;
   ck_assert_int_eq(rigid_create(&s, kind[_i], 400, .5, 3), 0);
@@ -125,35 +114,28 @@ START_TEST(packing_by_another_way) {
   ck_assert_int_eq(dls_contact_certify(&s.contact, r, u, &c[0], NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_certify(&s.factored, r, u + m, &c[1], NULL), DLS_OK);
   const double size = norm_of(u, m);
-  for (int k = 0; k < m; k++)
-    ck_assert(fabs(u[k] - u[m + k]) <= 1e-14 * size);
+  assert_near(u, u + m, m, 1e-14 * size);
   ck_assert(fabs(c[0].residual - c[1].residual) <= 1e-12 * c[0].residual);
   free(r);
   free(u);
   rigid_free(&s);
 }
-END_TEST
 
-START_TEST(bad_input_and_no_memory) {
+TEST(bad_input_and_no_memory) {
   int count = 5, start[most], row[most];
   double x[most * most], r[most] = {0};
   dls_blocks blocks = {.d = 7};
   dls_certificate c;
   dls_error error;
   bodies_model(&a, &B, &p, 8);
-  expect_error(dls_bodies_count(NULL, &count, &error), &error, DLS_E_ARGUMENT, "dls_bodies_count",
-               "problem", -1);
-  expect_error(dls_bodies_count(&a.p, &count, &error), &error, DLS_E_ARGUMENT, "dls_bodies_count",
-               "bodies.H", -1);
-  expect_error(dls_bodies_count(&p, NULL, &error), &error, DLS_E_ARGUMENT, "dls_bodies_count",
-               "count", -1);
+  REFUSES(ARGUMENT, "problem", -1, dls_bodies_count, NULL, &count);
+  REFUSES(ARGUMENT, "bodies.H", -1, dls_bodies_count, &a.p, &count);
+  REFUSES(ARGUMENT, "count", -1, dls_bodies_count, &p, NULL);
   const char *const slot[] = {"p", "i", "x", "B"};
   for (int k = 0; k < 4; k++)
-    expect_error(dls_blocks_from_bodies(&p, k == 0 ? NULL : start, k == 1 ? NULL : row,
-                                        k == 2 ? NULL : x, k == 3 ? NULL : &blocks, &error),
-                 &error, DLS_E_ARGUMENT, "dls_blocks_from_bodies", slot[k], -1);
-  expect_error(dls_contact_certify(&p, r, B.H, &c, &error), &error, DLS_E_ARGUMENT,
-               "dls_contact_certify", "u", -1);
+    REFUSES(ARGUMENT, slot[k], -1, dls_blocks_from_bodies, &p, k == 0 ? NULL : start,
+            k == 1 ? NULL : row, k == 2 ? NULL : x, k == 3 ? NULL : &blocks);
+  REFUSES(ARGUMENT, "u", -1, dls_contact_certify, &p, r, B.H, &c);
   ck_assert(count == 5 && blocks.d == 7);
   MALLOCS_FAIL(dls_bodies_count(&p, &count, &error), count == 5, DLS_OK, 1);
   MALLOCS_FAIL(dls_blocks_from_bodies(&p, start, row, x, &blocks, &error), blocks.d == 7, DLS_OK,
@@ -163,11 +145,10 @@ START_TEST(bad_input_and_no_memory) {
   ck_assert_int_eq(dls_bodies_count(&none, &count, NULL), DLS_OK);
   ck_assert_int_eq(count, 0);
 }
-END_TEST
 
 /* u = H^T H r and what rounds in it, |H|^T |H| |r|, of two candidates that share a body; the other
  * body of the second one is fixed. */
-START_TEST(products_by_hand) {
+TEST(products_by_hand) {
   const int body[4] = {0, 1, 1, -1};
   const double H[24] = {1, -2, 0, 0, 1, 3, -1, 2, 0, 0, -1, 2, 4, 0, -1, 1, 1, 0};
   const double r[4] = {2, -1, 1, -3}, q[4] = {0}, mu[2] = {0};
@@ -188,18 +169,16 @@ START_TEST(products_by_hand) {
     ck_assert(u[i] == sum && rounds[i] == size);
   }
 }
-END_TEST
 
 /* Finite numbers whose squares are none; and no candidate at all. */
-START_TEST(overflow_and_nothing) {
+TEST(overflow_and_nothing) {
   const int two[2] = {0, 1}, fixed[2] = {0, -1};
   double H[12] = {1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 1e160}, q[2] = {-1, 0}, mu = 0.5, r[32] = {0};
   dls_contact problem = {.d = 2, .nc = 1, .q = q, .mu = &mu, .bodies = {3, 2, two, H, NULL}};
   dls_certificate c;
   dls_solution_set found;
   dls_error error;
-  expect_error(dls_contact_certify(&problem, r, NULL, &c, &error), &error, DLS_E_NOT_FINITE,
-               "dls_contact_certify", "bodies.H", 0);
+  REFUSES(NOT_FINITE, "bodies.H", 0, dls_contact_certify, &problem, r, NULL, &c);
   problem.bodies.body = fixed; /* of a fixed body H is not read */
   ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, &error), DLS_OK);
   problem.nc = 0;
@@ -212,12 +191,4 @@ START_TEST(overflow_and_nothing) {
   ck_assert_int_eq(dls_derive_create(&derive, &problem, r, -1, &error), DLS_OK);
   ck_assert_int_eq(dls_derive_jvp(derive, &none, &moved, &error), DLS_OK);
   dls_derive_destroy(derive);
-}
-END_TEST
-
-int main(void) {
-  return RUN("bodies", NULL, NULL, EACH(blocks_are_those_of_dense, 0, 60),
-             EACH(doors_agree_with_dense, 0, 60), EACH(subset_of_bodies, 0, 3),
-             EACH(packing_by_another_way, 0, 3), ONCE(bad_input_and_no_memory),
-             ONCE(products_by_hand), ONCE(overflow_and_nothing));
 }

@@ -1,10 +1,4 @@
 /* test_check.c: the results of checks for input at their limits: values, indices, words. */
-#include <check.h>
-#include <float.h>
-#include <limits.h>
-#include <math.h>
-#include <string.h>
-
 #include "base/utf8.h"
 #include "contact/contact.h"
 #include "run.h"
@@ -19,7 +13,7 @@ static void check_says(dls_status answer, const dls_error *e, dls_status status,
   ck_assert_msg(strstr(e->message, words) != NULL, "%s", e->message);
 }
 
-START_TEST(sizes) {
+TEST(sizes) {
   dls_error e;
   for (int d = 1; d <= 3; d++) {
     ck_assert_int_eq(dlsi_check_sizes(d, INT_MAX / d, NULL), DLS_OK);
@@ -32,10 +26,9 @@ START_TEST(sizes) {
   check_says(dlsi_check_sizes(0, 1, &e), &e, DLS_E_ARGUMENT, "d", -1, 0, "is 0, must be 1, 2 or 3");
   check_says(dlsi_check_sizes(4, 1, &e), &e, DLS_E_ARGUMENT, "d", -1, 4, "is 4, must be 1, 2 or 3");
 }
-END_TEST
 
 /* Room between the columns of a dense matrix is not read; without columns nothing is. */
-START_TEST(dense_matrices) {
+TEST(dense_matrices) {
   double a[10] = {1, 2, 3, NAN, NAN, 6, 7, 8, NAN, NAN};
   dls_dense A = {3, 2, 5, a};
   dls_error e;
@@ -62,9 +55,8 @@ START_TEST(dense_matrices) {
   A = (dls_dense){0, 0, 1, a};
   ck_assert_int_eq(dlsi_check_dense("A", &A, 0, 0, NULL), DLS_OK);
 }
-END_TEST
 
-START_TEST(sparse_matrices) {
+TEST(sparse_matrices) {
   int p[3] = {0, 1, 2}, i[2] = {1, 2};
   double x[2] = {1, 2};
   const dls_sparse A = {3, 2, p, i, x}, none = {3, 2, (const int[3]){0, 0, 0}, NULL, NULL};
@@ -92,10 +84,9 @@ START_TEST(sparse_matrices) {
   const dls_blocks most = {.d = 3, .n = INT_MAX / 3};
   check_says(dlsi_check_blocks(&most, &e), &e, DLS_E_ARGUMENT, "B.p", -1, 0, "NULL");
 }
-END_TEST
 
 /* Friction of any size, infinite too; in one dimension none. */
-START_TEST(friction) {
+TEST(friction) {
   const double W[4] = {1, 0, 0, 1}, q[2] = {0};
   double mu[2] = {0, INFINITY};
   dls_error e;
@@ -118,10 +109,9 @@ START_TEST(friction) {
   ck_assert_int_eq(dlsi_first_bonded(&p), 0);
   check_says(dlsi_refuse_bonded(&p, &e), &e, DLS_E_UNSUPPORTED, "mu", 0, INFINITY, "is infinite");
 }
-END_TEST
 
 /* A vector that is not needed may be anything. */
-START_TEST(workspaces_and_starts) {
+TEST(workspaces_and_starts) {
   const double W[16] = {1}, q[4] = {0}, mu[4] = {0}, r[4] = {0, 0, 0, NAN};
   dls_error e;
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu}, none = {.d = 2};
@@ -135,10 +125,9 @@ START_TEST(workspaces_and_starts) {
   check_says(dlsi_check_solve(2, 1, &p, r, NULL, 0, &e), &e, DLS_E_SIZE, "problem", -1, 2,
              "has 2 candidates, the workspace is for 1");
 }
-END_TEST
 
 /* Two storages at once; bodies of each shape. */
-START_TEST(bodies) {
+TEST(bodies) {
   const int p[2] = {0, 0};
   int body[4] = {-1, 1, 1, 0};
   double H[72] = {0}, q[6] = {0}, mu[2] = {0}, W[4] = {1, 0, 0, 1}, work[12];
@@ -222,10 +211,9 @@ START_TEST(bodies) {
   check_says(dls_contact_check(&problem, &e), &e, DLS_E_ARGUMENT, "Wb", -1, 0,
              "W and Wb are both given");
 }
-END_TEST
 
 /* The bounds of a setting belong to it, unless it is open; NaN is never within. */
-START_TEST(settings_at_their_ends) {
+TEST(settings_at_their_ends) {
   const struct {
     dlsi_setting set;
     const char *words; /* NULL: fine */
@@ -252,10 +240,9 @@ START_TEST(settings_at_their_ends) {
     ck_assert_int_eq(dlsi_check_each(1, both, &e), DLS_OK);
   }
 }
-END_TEST
 
 /* Each limit at its ends, and beyond. */
-START_TEST(limits_at_their_ends) {
+TEST(limits_at_their_ends) {
   dls_limits limits;
   dls_error e;
   dlsi_limits_init(&limits);
@@ -289,7 +276,6 @@ START_TEST(limits_at_their_ends) {
   check_says(dlsi_check_settings(&good, 7, 8, 0, &own, &e), &e, DLS_E_SETTINGS, "settings", -1, 7,
              "init function");
 }
-END_TEST
 
 /* Returns 1 if the text is UTF-8 that a terminal may get. */
 static int is_shown(const char *text) {
@@ -301,7 +287,7 @@ static int is_shown(const char *text) {
 
 /* A message holds no control, whatever it quotes and wherever it is cut, and a public name before
  * it leaves it so. */
-START_TEST(messages_without_controls) {
+TEST(messages_without_controls) {
   static const char hidden[] = "\001\n\t\033[2J\x7f\xc2\x9b\xe2\x80\xae\xff\xed\xa0\x80";
   dls_error e;
   ck_assert_int_eq(dlsi_fail(&e, DLS_E_FORMAT, "path", 3, 0, "line %lld, '%s'", 3LL, hidden),
@@ -322,12 +308,4 @@ START_TEST(messages_without_controls) {
     (void)dlsi_at("dls_a_function_with_a_name_of_some_50_characters_", e.status, &e);
     ck_assert_msg(is_shown(e.message), "%zu: %s", letters, e.message);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("check", NULL, NULL, ONCE(sizes), ONCE(dense_matrices), ONCE(sparse_matrices),
-             ONCE(friction), ONCE(workspaces_and_starts), ONCE(bodies),
-             ONCE(settings_at_their_ends), ONCE(limits_at_their_ends),
-             ONCE(messages_without_controls));
 }

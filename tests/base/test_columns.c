@@ -1,10 +1,5 @@
 /* test_columns.c: triplets to compressed columns, all or those of one component. */
-#include <check.h>
-#include <limits.h>
-#include <string.h>
-
 #include "contact/columns.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 /* Two candidates in 3D, local columns n t s n t s; entries unsorted, two of them in one place. */
@@ -14,7 +9,7 @@ static void add_all(dlsi_triplets *t) {
     dlsi_triplets_add(t, row[k], col[k], k + 1);
 }
 
-START_TEST(columns_by_hand) {
+TEST(columns_by_hand) {
   static const struct {
     int cols, p[7], i[7];
     double x[7];
@@ -49,10 +44,9 @@ START_TEST(columns_by_hand) {
   }
   dlsi_triplets_free(&t);
 }
-END_TEST
 
 /* No columns, no entries; more entries than an int counts; each malloc failing. */
-START_TEST(nothing_and_too_much) {
+TEST(nothing_and_too_much) {
   dlsi_triplets t;
   dlsi_columns A;
   dls_error e;
@@ -79,9 +73,4 @@ START_TEST(nothing_and_too_much) {
     dlsi_columns_free(&A);
   }
   dlsi_triplets_free(&t);
-}
-END_TEST
-
-int main(void) {
-  return RUN("columns", NULL, NULL, ONCE(columns_by_hand), ONCE(nothing_and_too_much));
 }

@@ -1,10 +1,4 @@
 /* test_exact.c: sums of products without rounding, cones to the last bit, vectors near a proof. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-
 #include "contact/exact.h"
 #include "run.h"
 
@@ -36,7 +30,7 @@ static void add_powers(dlsi_exact *sum, int turn, const factor f[3]) {
 
 /* a b c less its eight powers of two is 0, and the least number of the sum's range decides then;
  * at every place within a digit, from the least doubles to the largest. */
-START_TEST(products_are_exact) {
+TEST(products_are_exact) {
   static const factor some[6] = {{53, 0, -1}, {52, 0, 1}, {52, 1, -1},
                                  {32, 0, -1}, {33, 0, 1}, {52, 32, 1}};
   const double least = DBL_TRUE_MIN;
@@ -60,11 +54,10 @@ START_TEST(products_are_exact) {
       }
     }
 }
-END_TEST
 
 /* Of denormal numbers, which have fewer bits: x x (2^80 x) = (2^40 x) (2^40 x) x; and the largest
  * products that there are. */
-START_TEST(products_at_the_ends_of_the_range) {
+TEST(products_at_the_ends_of_the_range) {
   const double least = DBL_TRUE_MIN;
   dlsi_exact sum;
   for (int bits = 1; bits <= 53; bits++) {
@@ -89,10 +82,9 @@ START_TEST(products_at_the_ends_of_the_range) {
   dlsi_exact_add(&sum, DBL_MAX, DBL_MAX, -0.0);
   ck_assert_int_eq(dlsi_exact_sign(&sum), 0);
 }
-END_TEST
 
 /* Carries are done before 2^30 pending products of digits below 2^32 overflow 64 bits. */
-START_TEST(carries_are_done_in_time) {
+TEST(carries_are_done_in_time) {
   dlsi_exact sum;
   dlsi_exact_clear(&sum);
   sum.pending = (1 << 30) - 2;
@@ -102,7 +94,6 @@ START_TEST(carries_are_done_in_time) {
   ck_assert_int_eq(sum.pending, 0);
   ck_assert_int_eq(dlsi_exact_sign(&sum), 0);
 }
-END_TEST
 
 /* ---- proofs of no solution ------------------------------------------------------------------- */
 
@@ -125,7 +116,7 @@ static int is_proof(int d, double mu, const double N[2], const double T[2], cons
 static const double zero[2] = {0, 0}, pressed[2] = {-1, 0};
 
 /* The border g_n + mu |g_t| = 0 belongs to it; one unit of the last place beyond does not. */
-START_TEST(cones_to_the_last_bit_2d) {
+TEST(cones_to_the_last_bit_2d) {
   const double v[2] = {1, 0x1p-60};
   for (int side = -1; side <= 1; side += 2) {
     const double T[2] = {side * 2, side * 2};
@@ -140,11 +131,10 @@ START_TEST(cones_to_the_last_bit_2d) {
     ck_assert_int_eq(is_proof(1, 0, (double[]){-1, 0x1p60 + k * 0x1p8}, NULL, NULL, pressed, v),
                      k <= 0);
 }
-END_TEST
 
 /* g = s (-25, 7, 24) and s = 1 + 2^-70: 25^2 = 7^2 + 24^2, with mu = 1/2 for tangents of twice the
  * size; whole numbers of 53 bits, too: (m^2 + n^2)^2 = (m^2 - n^2)^2 + (2 m n)^2. */
-START_TEST(cones_to_the_last_bit_3d) {
+TEST(cones_to_the_last_bit_3d) {
   const double m = 0x1p26 - 1, n = 0x1p25 - 3, a = m * m - n * n, b = 2 * m * n, c = m * m + n * n;
   const double triple[2][3] = {{7, 24, 25}, {a, b, c}};
   for (int of = 0; of < 2; of++)
@@ -164,10 +154,9 @@ START_TEST(cones_to_the_last_bit_3d) {
   ck_assert_int_eq(is_proof(3, 1, (double[]){0x1p-500, 0}, zero, zero, pressed, (double[]){1, 0}),
                    0);
 }
-END_TEST
 
 /* v >= 0, finite, and v.q_n < 0 without rounding. */
-START_TEST(proofs_have_signs) {
+TEST(proofs_have_signs) {
   const double N[2] = {-1, -1}, one[2] = {1, 1};
   const double bad[] = {-1, NAN, INFINITY};
   for (int k = 0; k < 3; k++)
@@ -180,7 +169,6 @@ START_TEST(proofs_have_signs) {
   ck_assert_int_eq(is_proof(2, 0, N, zero, NULL, (double[]){-0x1p60 - 256, 0x1p60}, one), 1);
   ck_assert_int_eq(is_proof(2, 0, N, zero, NULL, (double[]){0x1p60, -0x1p60 + 128}, one), 0);
 }
-END_TEST
 
 /* ---- vectors near a proof -------------------------------------------------------------------- */
 
@@ -211,7 +199,7 @@ static int finds(size_t n, const double *from, const double *to) {
 }
 
 /* The vector itself; without entries below 1e-12 of the largest, or below 0. */
-START_TEST(itself_and_without_rounding) {
+TEST(itself_and_without_rounding) {
   const double odd = 8 * (1 + 0x1p-45); /* of more bits than 40 */
   ck_assert(finds(2, (double[]){odd, 1e-13}, (double[]){odd, 1e-13}));
   ck_assert(finds(2, (double[]){odd, 7e-12}, (double[]){odd, 0}));
@@ -220,10 +208,9 @@ START_TEST(itself_and_without_rounding) {
   ck_assert(!finds(2, (double[]){0, 0}, (double[]){0, 0}));
   ck_assert(!finds(2, (double[]){0, INFINITY}, (double[]){0, INFINITY}));
 }
-END_TEST
 
 /* Fractions over the largest entry, to whole numbers up to 2^31, in lowest terms. */
-START_TEST(whole_numbers) {
+TEST(whole_numbers) {
   const double pi = 3.14159265358979;
   ck_assert(finds(3, (double[]){pi, pi * 3 / 14, pi * 5 / 6}, (double[]){42, 9, 35}));
   ck_assert(finds(3, (double[]){pi * 5 / 6, 0, pi}, (double[]){5, 0, 6}));
@@ -233,10 +220,9 @@ START_TEST(whole_numbers) {
   ck_assert(finds(3, (double[]){pi, pi * 0x1p-16, pi * 0x1p-31}, (double[]){0x1p31, 0x1p15, 1}));
   ck_assert(!finds(3, (double[]){pi, pi * 0x1p-16, pi * 0x1p-32}, (double[]){0x1p32, 0x1p16, 1}));
 }
-END_TEST
 
 /* 0.785.. = pi / 4 and 0.3 in binary digits of the largest entry, and eight times as much. */
-START_TEST(few_digits) {
+TEST(few_digits) {
   static const int bits[8] = {53, 40, 30, 20, 12, 8, 5, 3};
   static const double digits[8][2] = {{7074237752028440, 2702159776422298},
                                       {863554413089, 329853488333},
@@ -254,12 +240,4 @@ START_TEST(few_digits) {
       ck_assert(finds(2, (double[]){v[1], v[0]}, (double[]){to[1], to[0]}));
       ck_assert(!finds(2, v, (double[]){to[0], to[1] + ldexp(1, e - bits[k])}));
     }
-}
-END_TEST
-
-int main(void) {
-  return RUN("exact", NULL, NULL, ONCE(products_are_exact), ONCE(products_at_the_ends_of_the_range),
-             ONCE(carries_are_done_in_time), ONCE(cones_to_the_last_bit_2d),
-             ONCE(cones_to_the_last_bit_3d), ONCE(proofs_have_signs),
-             ONCE(itself_and_without_rounding), ONCE(whole_numbers), ONCE(few_digits));
 }

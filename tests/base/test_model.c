@@ -1,10 +1,4 @@
 /* test_model.c: K read whole or by its lower triangle; sizes at their limits. */
-#include <check.h>
-#include <limits.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "contact/body.h"
 #include "contact/contact.h"
 #include "delassus/model.h"
@@ -45,7 +39,7 @@ static void model_refuses(const dls_model *model, dls_status status, const char 
 }
 
 /* Of a symmetric K the entries on and below the diagonal are read, of another one all. */
-START_TEST(entries_that_are_read) {
+TEST(entries_that_are_read) {
   double K[ld * n];
   for (int at = 0; at < ld * n; at++) {
     const int i = at % ld, j = at / ld;
@@ -73,11 +67,10 @@ START_TEST(entries_that_are_read) {
   tight.K = (dls_dense){n, n + 1, ld, K};
   model_refuses(&tight, DLS_E_SIZE, "K", -1, 3, "is 3 x 4, must be 3 x 3");
 }
-END_TEST
 
 /* DLS_LU refuses a lower triangle, unless it is said to be all of K; zeros do not count, and the
  * last entry below is named. */
-START_TEST(triangles_for_lu) {
+TEST(triangles_for_lu) {
   double K[ld * n] = {[0] = 1, [ld + 1] = 1, [2 * ld + 2] = 1};
   dls_model model = dense(K, DLS_LU);
   model_accepts(&model); /* a diagonal */
@@ -107,10 +100,9 @@ START_TEST(triangles_for_lu) {
   x[6] = x[1] = x[2] = 0; /* a diagonal */
   model_accepts(&model);
 }
-END_TEST
 
 /* Entries at position 0 count, too: in a column 0 that is empty, or alone in it. */
-START_TEST(triangles_from_the_first_entry) {
+TEST(triangles_from_the_first_entry) {
   const int late[n + 1] = {0, 0, 2, 2}, early[n + 1] = {0, 1, 1, 1}, row[2] = {0, 2};
   const double x[2] = {1, 1};
   dls_model model = sparse(late, row, x, DLS_LU);
@@ -121,10 +113,9 @@ START_TEST(triangles_from_the_first_entry) {
   model = sparse(above, row, x, DLS_CHOLESKY);
   model_refuses(&model, DLS_E_ARGUMENT, "Ks", 0, 1, "is an upper triangle");
 }
-END_TEST
 
 /* Cholesky refuses an upper triangle, by its pattern, and names its last entry. */
-START_TEST(triangles_for_cholesky) {
+TEST(triangles_for_cholesky) {
   const int p[n + 1] = {0, 1, 3, 5}, upper[5] = {0, 0, 1, 1, 2}, diagonal[5] = {0, 1, 1, 2, 2};
   const int both[5] = {2, 0, 1, 1, 2};
   const double x[5] = {1, 2, 3, 4, 5};
@@ -135,10 +126,9 @@ START_TEST(triangles_for_cholesky) {
   model.Ks.i = both;
   model_accepts(&model);
 }
-END_TEST
 
 /* Sizes at their limits. */
-START_TEST(limits_of_sizes) {
+TEST(limits_of_sizes) {
   const double K[ld * n] = {[0] = 1, [ld + 1] = 1, [2 * ld + 2] = 1};
   const double ones[1] = {1};
   dls_model model = dense(K, DLS_CHOLESKY), one;
@@ -158,10 +148,9 @@ START_TEST(limits_of_sizes) {
   one = (dls_model){.d = 2, .n = 1, .operator_kind = DLS_FLEXIBILITY, .K = {1, 1, 1, ones}};
   model_accepts(&one);
 }
-END_TEST
 
 /* A weighting makes the candidates; its largest number, an entry 0 beside one that is not. */
-START_TEST(weightings) {
+TEST(weightings) {
   const double K[ld * n] = {[0] = 1, [ld + 1] = 1, [2 * ld + 2] = 1};
   const int p[3] = {0, 2, 3}, i[3] = {0, 0, 0}, none[2] = {0, 0};
   double x[3] = {0, 1, 2}, mu[2] = {0, 1};
@@ -184,11 +173,10 @@ START_TEST(weightings) {
   model.P.cols = INT_MAX / 2 + 1;
   model_refuses(&model, DLS_E_SIZE, "P", -1, INT_MAX / 2 + 1, "has 1073741824 columns");
 }
-END_TEST
 
 /* Two frames without stiffness or contacts, each of two bodies, a joint between them and one to the
  * ground: no diagonal entry tells bodies and joints apart, the order does. */
-START_TEST(joints_without_stiffness) {
+TEST_EACH(joints_without_stiffness, 0, 2) {
   const int is_joint[2][8] = {{0, 0, 0, 0, 1, 1, 1, 1}, {0, 1, 0, 1, 0, 0, 1, 1}};
   const int frame[2][8] = {{0, 1, 0, 1, 0, 0, 1, 1}, {0, 0, 0, 0, 1, 1, 1, 1}};
   double K[64] = {0};
@@ -210,11 +198,4 @@ START_TEST(joints_without_stiffness) {
                            .K = {8, 8, 8, K}};
   ck_assert_int_eq(dlsi_body_joints(&model, NULL, found), 4);
   ck_assert_mem_eq(found, is_joint[_i], sizeof found);
-}
-END_TEST
-
-int main(void) {
-  return RUN("model", NULL, NULL, ONCE(entries_that_are_read), ONCE(triangles_for_lu),
-             ONCE(triangles_for_cholesky), ONCE(triangles_from_the_first_entry),
-             ONCE(limits_of_sizes), ONCE(weightings), EACH(joints_without_stiffness, 0, 2));
 }

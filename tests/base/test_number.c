@@ -1,15 +1,10 @@
 /* test_number.c: norms to the last entry and beyond the range of squares, drawn
  * numbers, whole numbers. */
-#include <check.h>
-#include <float.h>
-#include <limits.h>
-#include <math.h>
-
 #include "contact/contact.h"
 #include "run.h"
 
 /* The largest entry, NaN or infinity is found wherever it stands, beside the last four, too. */
-START_TEST(the_largest_anywhere) {
+TEST(the_largest_anywhere) {
   double x[14];
   for (size_t n = 1; n <= 13; n++)
     for (size_t at = 0; at < n; at++) {
@@ -29,10 +24,9 @@ START_TEST(the_largest_anywhere) {
     }
   ck_assert(dlsi_max_abs(x, 0) == 0);
 }
-END_TEST
 
 /* |(3, 4)| = 5 at both ends of the range, exactly. */
-START_TEST(norms_at_the_ends_of_the_range) {
+TEST(norms_at_the_ends_of_the_range) {
   for (int e = -1074; e <= 1021; e++) {
     const double x[3] = {ldexp(3, e), 0, ldexp(-4, e)};
     ck_assert(dlsi_norm2(x, 3) == ldexp(5, e));
@@ -46,10 +40,9 @@ START_TEST(norms_at_the_ends_of_the_range) {
   ck_assert_double_nan(dlsi_norm2(lost, 4));
   ck_assert(dlsi_norm2(none, 2) == 0);
 }
-END_TEST
 
 /* The published beginning of splitmix64 from 0. */
-START_TEST(drawn_numbers_are_those_of_splitmix64) {
+TEST(drawn_numbers_are_those_of_splitmix64) {
   static const uint64_t first[3] = {0xe220a8397b1dcdaf, 0x6e789e6aa1b965f4, 0x06c45d188009454f};
   for (int i = 0; i < 3; i++) {
     const uint64_t x = ((uint64_t)i + 1) * DLSI_GOLDEN_BITS;
@@ -59,10 +52,9 @@ START_TEST(drawn_numbers_are_those_of_splitmix64) {
   }
   ck_assert(dlsi_draw_entry(5, 7) == dlsi_draw((((uint64_t)5 << 32) + 7) * DLSI_GOLDEN_BITS));
 }
-END_TEST
 
 /* Digits alone, within the range; the place behind them. */
-START_TEST(whole_numbers) {
+TEST(whole_numbers) {
   static const struct {
     const char *text;
     int least, most, value, taken; /* taken: characters, 0: refused */
@@ -89,10 +81,4 @@ START_TEST(whole_numbers) {
     ck_assert_int_eq((int)(at - cases[k].text), cases[k].taken);
     ck_assert_int_eq(value, taken ? cases[k].value : -7);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("number", NULL, NULL, ONCE(the_largest_anywhere), ONCE(norms_at_the_ends_of_the_range),
-             ONCE(drawn_numbers_are_those_of_splitmix64), ONCE(whole_numbers));
 }

@@ -1,9 +1,9 @@
 /* test_paced.c: a callback that is called now and then. */
 #define _POSIX_C_SOURCE 200809L
-#include <check.h>
 #include <time.h>
 
 #include "delassus.h"
+#include "made.h"
 #include "run.h"
 
 static int calls, answer;
@@ -21,7 +21,7 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-START_TEST(one_call_in_each_stretch) {
+TEST(one_call_in_each_stretch) {
   dls_paced paced = {.progress = count_call, .progress_data = &calls, .seconds = 0.01};
   dls_progress progress = {.iteration = 1};
   const double begun = now();
@@ -35,9 +35,8 @@ START_TEST(one_call_in_each_stretch) {
   }
   ck_assert(got == &progress && asked > 3 && now() - begun >= 0.03);
 }
-END_TEST
 
-START_TEST(its_answer_cancels) {
+TEST(its_answer_cancels) {
   dls_paced paced = {.progress = count_call, .progress_data = &calls, .seconds = 1e-9};
   dls_progress progress = {.iteration = 1}, last = {.last = 1};
   calls = 0;
@@ -49,19 +48,16 @@ START_TEST(its_answer_cancels) {
   ck_assert_int_eq(dls_progress_paced(&paced, &last), 0);
   ck_assert_int_eq(calls, 1);
 }
-END_TEST
 
 /* A solve that cycles ends by the callback, whose cpu_seconds are those of a limit alone. */
-START_TEST(a_solve_is_cancelled) {
+TEST(a_solve_is_cancelled) {
   const double W[] = {1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1}, q[] = {-1, 0, -1, 0};
   const double mu[] = {0.5, 0.5};
   const dls_contact problem = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
   dls_paced paced = {.progress = count_call, .progress_data = &calls, .seconds = 0.01};
-  dls_solver_settings settings;
   dls_info info;
   double r[4];
-  dls_solver_settings_init(&settings);
-  settings.method = DLS_NLGS;
+  dls_solver_settings settings = settings_with(DLS_NLGS, default_tol);
   settings.limits.max_iterations = 2000000000;
   settings.limits.progress = dls_progress_paced;
   settings.limits.progress_data = &paced;
@@ -69,10 +65,4 @@ START_TEST(a_solve_is_cancelled) {
   answer = 1;
   ck_assert_int_eq(dls_solve(&problem, &settings, r, NULL, &info, NULL), DLS_CANCELLED);
   ck_assert(calls == 1 && info.iterations > 1);
-}
-END_TEST
-
-int main(void) {
-  return RUN("paced", NULL, NULL, ONCE(one_call_in_each_stretch), ONCE(its_answer_cancels),
-             ONCE(a_solve_is_cancelled));
 }

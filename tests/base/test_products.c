@@ -1,9 +1,4 @@
 /* test_products.c: products with W in whole numbers, exact in any order, of lists of any length. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "contact/contact.h"
 #include "run.h"
 
@@ -59,7 +54,7 @@ static void add_column(int c, const double *x, double *u, double *a) {
 }
 
 /* Lists of up to ten candidates: whole fours, and the rest. */
-START_TEST(lists_of_any_length) {
+TEST_EACH(lists_of_any_length, 1, 4) {
   const int c[10] = {9, 0, 4, 10, 1, 7, 3, 8, 2, 5};
   double dr[30], u[5][36], a[2][36];
   set_whole(_i, 11);
@@ -90,11 +85,10 @@ START_TEST(lists_of_any_length) {
       ck_assert_mem_eq(a[1], a[0], size);
     }
 }
-END_TEST
 
 /* W r + q and |W| |r| where `loaded` candidates carry a reaction, in one entry each or in all; 16
  * of them are read at once. */
-START_TEST(any_number_of_reactions) {
+TEST_EACH(any_number_of_reactions, 1, 4) {
   static double r[most_m], u[2][most_m], a[2][most_m];
   int order[most_nc];
   set_whole(_i, most_nc);
@@ -128,11 +122,10 @@ START_TEST(any_number_of_reactions) {
     }
   }
 }
-END_TEST
 
 /* Reactions are added in the order that is asked for: 2^53 + 1 - 2^53 is 0 or, in another order, 1
  * in numbers of 53 bits; dense, by blocks, of bodies. */
-START_TEST(order_of_sums) {
+TEST(order_of_sums) {
   const double ones[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, q[3] = {0}, mu[3] = {0};
   const double H[18] = {1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1};
   const int p[4] = {0, 3, 6, 9}, i[9] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
@@ -149,10 +142,9 @@ START_TEST(order_of_sums) {
     ck_assert(u[0] == 1 && u[2] == 1);
   }
 }
-END_TEST
 
 /* y = A^T x and y - A x of a few columns. */
-START_TEST(panels_of_any_width) {
+TEST(panels_of_any_width) {
   double A[9 * 9], x[9], y[10], z[10];
   for (int e = 0; e < 81; e++)
     A[e] = small(e + 1);
@@ -180,7 +172,6 @@ START_TEST(panels_of_any_width) {
       ck_assert(y[n] == 77 && z[m] == 77);
     }
 }
-END_TEST
 
 /* ---- rigid bodies ---------------------------------------------------------------------------- */
 
@@ -188,7 +179,7 @@ enum { bodies = 4, touching = 7 };
 
 /* H r, H^T H r + q, |H|^T |H| |r| and the diagonal blocks for each shape that there is; body -1 is
  * fixed, and its H is not read. */
-START_TEST(bodies_of_each_shape) {
+TEST_EACH(bodies_of_each_shape, 0, 4) {
   static const int shape[4][2] = {{1, 3}, {1, 6}, {2, 3}, {3, 6}};
   static const int body[2 * touching] = {0, 1, 3, -1, 2, 0, -1, 1, 3, 2, 1, 3, -1, -1};
   const int d = shape[_i][0], n = shape[_i][1], m = d * touching;
@@ -249,11 +240,10 @@ START_TEST(bodies_of_each_shape) {
     ck_assert(block[d * d] == 77);
   }
 }
-END_TEST
 
 /* A body that 46,341 candidates touch alone couples 46341^2 > 2^31 - 1 pairs, which is said at
  * once; the last one of three. */
-START_TEST(too_many_blocks) {
+TEST(too_many_blocks) {
   enum { nc = 46341 };
   int *body = malloc(2 * nc * sizeof *body), count = 7;
   double *H = calloc(6 * (size_t)nc, sizeof *H), *q = calloc(2 * (size_t)nc, sizeof *q);
@@ -261,19 +251,16 @@ START_TEST(too_many_blocks) {
   for (int k = 0; k < 2 * nc; k++)
     body[k] = k % 2 ? (k == 1 ? 0 : -1) : 2;
   const dls_contact p = {.d = 1, .nc = nc, .q = q, .mu = q + nc, .bodies = {3, 3, body, H, NULL}};
-  dls_error error;
-  ck_assert_int_eq(dls_bodies_count(&p, &count, &error), DLS_E_SIZE);
-  ck_assert_str_eq(error.argument, "bodies");
-  ck_assert(error.value == (double)nc * nc && count == 7);
+  REFUSES(SIZE, "bodies", -1, dls_bodies_count, &p, &count);
+  ck_assert(last_refusal.value == (double)nc * nc && count == 7);
   free(body);
   free(H);
   free(q);
 }
-END_TEST
 
 /* Scratch is lent to bodies without, and W by blocks formed with both: 2 = |(1, 1)|^2. Of other
  * storages nothing is done, and who comes with scratch has been checked. */
-START_TEST(lent_scratch) {
+TEST(lent_scratch) {
   const int body[2] = {0, 1};
   const double H[6] = {1, 0, 0, 1, 0, 0}, bad[6] = {NAN}, q = 1, mu = 0, one = 1;
   double work[12];
@@ -303,10 +290,9 @@ START_TEST(lent_scratch) {
   dlsi_formed_free(&formed);
   ck_assert(!formed.work && !formed.x);
 }
-END_TEST
 
 /* Memory that is held serves again if it is large enough. */
-START_TEST(room_grows) {
+TEST(room_grows) {
   size_t room = 0;
   double *held = dlsi_make_room(NULL, &room, 4, sizeof *held);
   ck_assert(held && room == 4);
@@ -319,12 +305,4 @@ START_TEST(room_grows) {
   ck_assert_ptr_null(dlsi_make_room(held, &room, SIZE_MAX / 4, sizeof *held)); /* held stays */
   ck_assert(room == 5 && held[4] == 1);
   free(held);
-}
-END_TEST
-
-int main(void) {
-  return RUN("products", NULL, NULL, EACH(lists_of_any_length, 1, 4),
-             EACH(any_number_of_reactions, 1, 4), ONCE(order_of_sums), ONCE(panels_of_any_width),
-             EACH(bodies_of_each_shape, 0, 4), ONCE(too_many_blocks), ONCE(lent_scratch),
-             ONCE(room_grows));
 }

@@ -1,7 +1,4 @@
 /* test_subset.c: where a subset puts its numbers, entry by entry; errors in its list. */
-#include <check.h>
-#include <string.h>
-
 #include "contact/contact.h"
 #include "run.h"
 
@@ -12,7 +9,7 @@ static const double x[6] = {1, 2, 3, 4, 5, 6}, q[3] = {7, 8, 9}, mu[3] = {0, 0, 
 static const dls_contact blocks = {.d = 1, .nc = 3, .Wb = {1, 3, p, i, x}, .q = q, .mu = mu};
 
 /* Columns and rows 0 and 2: blocks 0, 1, 3, 5 are left, of rows that are renumbered. */
-START_TEST(blocks_by_hand) {
+TEST(blocks_by_hand) {
   const int list[2] = {0, 2}, expected[] = {0, 3, 4, 1, 0, 0, 1, 77};
   const double numbers[] = {1, 2, 4, 6, 7, 9, 0, 0, 77};
   int index[8];
@@ -29,10 +26,9 @@ START_TEST(blocks_by_hand) {
   ck_assert(s.d == 1 && s.nc == 2 && s.Wb.d == 1 && s.Wb.n == 2 && !s.W.a && !s.bodies.H);
   ck_assert(s.q == values + 4 && s.mu == values + 6);
 }
-END_TEST
 
 /* Of one candidate in the middle, and of the last: rows before and after the list are left out. */
-START_TEST(one_of_three) {
+TEST(one_of_three) {
   static const int last[] = {0, 1, 0, 77};
   int index[4] = {77, 77, 77, 77};
   double values[4];
@@ -45,10 +41,9 @@ START_TEST(one_of_three) {
   ck_assert_mem_eq(index, last, sizeof last);
   ck_assert(values[0] == 6 && values[1] == 9 && values[2] == 0);
 }
-END_TEST
 
 /* W with room between its columns, d = 2: W' without. */
-START_TEST(dense_by_hand) {
+TEST(dense_by_hand) {
   enum { nc = 3, m = 2 * nc, ld = m + 1 };
   static const int list[2] = {0, 2}, row[4] = {0, 1, 4, 5};
   double W[ld * m], load[m], friction[nc] = {.25, .5, .75}, values[23];
@@ -67,10 +62,9 @@ START_TEST(dense_by_hand) {
   ck_assert(values[20] == .25 && values[21] == .75 && values[22] == 77);
   ck_assert(s.W.rows == 4 && s.W.cols == 4 && s.W.ld == 4 && s.W.a == values && !s.Wb.x);
 }
-END_TEST
 
 /* Bodies of the last candidates: two numbers each, and nothing after them. */
-START_TEST(bodies_by_hand) {
+TEST(bodies_by_hand) {
   const int body[6] = {0, -1, 1, 0, -1, 2}, expected[] = {1, 0, -1, 2, 77};
   double H[2 * 3 * 2 * 3], load[6], friction[3] = {.25, .5, .75}, values[31];
   int index[5] = {77, 77, 77, 77, 77};
@@ -94,10 +88,9 @@ START_TEST(bodies_by_hand) {
   ck_assert_int_eq(dls_contact_subset(&of, 0, NULL, NULL, NULL, &s, NULL), DLS_OK);
   ck_assert(s.d == 2 && s.nc == 0 && !s.bodies.H);
 }
-END_TEST
 
 /* An empty list needs no memory; a full one is the problem. */
-START_TEST(none_and_all) {
+TEST(none_and_all) {
   dls_contact s;
   int index[10];
   double values[12];
@@ -109,10 +102,9 @@ START_TEST(none_and_all) {
   ck_assert_mem_eq(index + 4, i, sizeof i);
   ck_assert_mem_eq(values, x, sizeof x);
 }
-END_TEST
 
 /* The error has the index in the list, its number, and the range or the number before. */
-START_TEST(lists_that_are_refused) {
+TEST(lists_that_are_refused) {
   static const struct {
     int count, list[3], index, value;
     dls_status status;
@@ -138,10 +130,4 @@ START_TEST(lists_that_are_refused) {
     ck_assert_msg(strstr(e.message, bad[k].words) != NULL, "%s", e.message);
     ck_assert(s.d == 77 && values[0] == 77);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("subset", NULL, NULL, ONCE(blocks_by_hand), ONCE(one_of_three), ONCE(dense_by_hand),
-             ONCE(bodies_by_hand), ONCE(none_and_all), ONCE(lists_that_are_refused));
 }

@@ -2,17 +2,9 @@
  * test_failures.c: the answer of each method to each problem of data/failures: never a false
  * "solved", never without end, and one of the solutions that the file states if it says "ok".
  */
-#include <check.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "delassus/nlgs.h"
-#include "delassus/pivoting.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "failures.h"
+#include "made.h"
 #include "run.h"
 
 enum { max_problems = 128, permutations = 1000 };
@@ -66,9 +58,8 @@ static void as_stated(const instance *i, const double *z, double *x) {
 
 static double failure_residual(const failure *f, const double *x) {
   if (f->d) {
-    dls_certificate c;
     const dls_contact problem = failure_contact(f);
-    ck_assert_int_eq(dls_contact_certify(&problem, x, NULL, &c, NULL), DLS_OK);
+    dls_certificate c = certificate_of(&problem, x);
     return dls_certificate_holds(&c, 1e-12) ? 0 : c.residual;
   }
   dls_lcp_certificate c;
@@ -100,7 +91,7 @@ static int is_stated(const failure *f, const double *x) {
 
 /* ---- (a) the solutions are solutions --------------------------------------------------------- */
 
-START_TEST(stated_solutions_are_solutions) {
+TEST(stated_solutions_are_solutions) {
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
     for (int s = 0; s < f->points; s++) {
@@ -123,7 +114,6 @@ START_TEST(stated_solutions_are_solutions) {
     }
   }
 }
-END_TEST
 
 /* ---- (b) enumeration finds exactly them ------------------------------------------------------ */
 
@@ -141,7 +131,7 @@ static int varies(const failure *f, int i, double ci, int j, double cj) {
   return 0;
 }
 
-START_TEST(enumeration_finds_exactly_the_stated_solutions) {
+TEST(enumeration_finds_exactly_the_stated_solutions) {
   static double list[64 * FAILURE_N];
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
@@ -181,7 +171,6 @@ START_TEST(enumeration_finds_exactly_the_stated_solutions) {
     }
   }
 }
-END_TEST
 
 /* ---- (c), (e), (f) the pivoting methods, in any order of the unknowns ------------------------ */
 
@@ -254,7 +243,7 @@ static void try_orders(const method *m, const instance *it, unsigned allowed) {
   }
 }
 
-START_TEST(lemke_in_any_order) {
+TEST(lemke_in_any_order) {
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
   for (settings.crash = 0; settings.crash <= 1; settings.crash++) {
@@ -272,9 +261,8 @@ START_TEST(lemke_in_any_order) {
     dls_lemke_destroy(workspace);
   }
 }
-END_TEST
 
-START_TEST(principal_pivoting_in_any_order) {
+TEST(principal_pivoting_in_any_order) {
   dls_principal_settings settings;
   dls_principal_settings_init(&settings);
   int tried = 0;
@@ -295,10 +283,9 @@ START_TEST(principal_pivoting_in_any_order) {
   }
   ck_assert_int_ge(tried, 20);
 }
-END_TEST
 
 /* Where M is no P-matrix the method may fail, but it must not lie. */
-START_TEST(principal_pivoting_is_honest_elsewhere) {
+TEST(principal_pivoting_is_honest_elsewhere) {
   const unsigned any = 1u << DLS_OK | 1u << DLS_MAX_ITERATIONS | 1u << DLS_STALLED;
   dls_principal_settings settings;
   dls_principal_settings_init(&settings);
@@ -313,7 +300,6 @@ START_TEST(principal_pivoting_is_honest_elsewhere) {
   }
   dls_principal_destroy(workspace);
 }
-END_TEST
 
 /* ---- (d) Gauss-Seidel ------------------------------------------------------------------------ */
 
@@ -342,7 +328,7 @@ static dls_status nlgs(const failure *f, const int *order, const dls_nlgs_settin
 }
 
 /* NLGS need not converge, and whether it does depends on the order; it must not lie. */
-START_TEST(gauss_seidel) {
+TEST(gauss_seidel) {
   const unsigned any = 1u << DLS_OK | 1u << DLS_MAX_ITERATIONS | 1u << DLS_STALLED;
   dls_nlgs_settings settings;
   dls_nlgs_settings_init(&settings);
@@ -373,10 +359,9 @@ START_TEST(gauss_seidel) {
     }
   }
 }
-END_TEST
 
 /* A soft and a stiff support (c20), in both orders: 1e-8 is of either's reactions. */
-START_TEST(scales) {
+TEST(scales) {
   const failure *f = NULL;
   for (int p = 0; p < problems; p++)
     if (!strcmp(all[p].name, "c20-scales")) f = &all[p];
@@ -394,14 +379,11 @@ START_TEST(scales) {
         ck_assert_double_eq_tol(r[i] / exact[i], 1, 1e-6);
     }
 }
-END_TEST
 
 /* ---- (g) every method through the front door ------------------------------------------------- */
 
 static dls_status solve_by_method(const char *name, const dls_contact *problem, double *r) {
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
-  s.limits.tol = 1e-12;
+  dls_solver_settings s = settings_with(DLS_AUTO, 1e-12);
   if (!strcmp(name, "nlgs+anderson")) {
     s.method = DLS_NLGS;
     s.acceleration = DLS_ACCELERATION_ANDERSON;
@@ -415,7 +397,7 @@ static dls_status by_method(const char *name, const failure *f, double *r) {
   return solve_by_method(name, &problem, r);
 }
 
-START_TEST(front_door) {
+TEST(front_door) {
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
     for (int k = 0; f->d && k < FAILURE_METHODS; k++) {
@@ -436,10 +418,9 @@ START_TEST(front_door) {
     }
   }
 }
-END_TEST
 
 /* W in units of one, three and thirteen powers of two less: r is the same number of them more. */
-START_TEST(units_keep_every_bit) {
+TEST(units_keep_every_bit) {
   static const int power[] = {1, 3, 13};
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
@@ -459,18 +440,16 @@ START_TEST(units_keep_every_bit) {
       }
   }
 }
-END_TEST
 
-START_TEST(auto_solves_what_can_be_solved) {
+TEST(auto_solves_what_can_be_solved) {
   for (int p = 0; p < problems; p++)
     if (all[p].d)
       ck_assert_msg((all[p].solve[0] == 1u << DLS_OK) == !all[p].none, "%s", all[p].name);
 }
-END_TEST
 
 /* README.md has a line for each contact problem that a method other than penalty does not solve:
  * its name, and the words of its lines `solve`. */
-START_TEST(table_is_that_of_the_files) {
+TEST(table_is_that_of_the_files) {
   static char text[40000];
   FILE *in = fopen(TEST_DATA "/failures/README.md", "r");
   ck_assert_ptr_nonnull(in);
@@ -492,12 +471,7 @@ START_TEST(table_is_that_of_the_files) {
     ck_assert_msg((strstr(text, line) != NULL) == hard, "README.md, not as it should be: %s", line);
   }
 }
-END_TEST
 
 int main(void) {
-  return RUN("failures", setup, NULL, ONCE(stated_solutions_are_solutions),
-             ONCE(enumeration_finds_exactly_the_stated_solutions), ONCE(lemke_in_any_order),
-             ONCE(principal_pivoting_in_any_order), ONCE(principal_pivoting_is_honest_elsewhere),
-             ONCE(gauss_seidel), ONCE(scales), ONCE(front_door), ONCE(units_keep_every_bit),
-             ONCE(auto_solves_what_can_be_solved), ONCE(table_is_that_of_the_files));
+  return run_tests("failures", setup, NULL);
 }

@@ -6,12 +6,6 @@
  *
  * so that every error, order, limit and cost is known.
  */
-#include <check.h>
-#include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cli/report.h"
 #include "run.h"
 
@@ -126,7 +120,7 @@ static void check_ladder(const budget *b, const ladder *l, double order) {
 }
 
 /* With time enough: what is taken is within the accuracy, and nothing cheaper on the ladders is. */
-START_TEST(the_cheapest_is_taken) {
+TEST_EACH(the_cheapest_is_taken, 0, 20) {
   const double accuracy[] = {.1, .05, .02, .01};
   const int two = _i >= 16 || _i / 4 % 2;
   sign = _i < 8 ? 1 : -1;
@@ -153,11 +147,10 @@ START_TEST(the_cheapest_is_taken) {
       }
   ck_assert_int_eq(b->graded.low > b->graded.high, !two);
 }
-END_TEST
 
 /* Without: each ladder keeps to its share, the finest setting is taken, and what would be enough is
  * so, while half a level less is not. */
-START_TEST(what_would_be_enough) {
+TEST_EACH(what_would_be_enough, 0, 2) {
   const double seconds = 400;
   const budget *b = run_budget(_i ? SCENE_MOVING : SCENE_FORMING, _i, 1e-4, seconds);
   ck_assert(!b->met && b->take >= 0);
@@ -169,19 +162,17 @@ START_TEST(what_would_be_enough) {
   ck_assert(b->enough_seconds > .5 * true_seconds(&enough));
   ck_assert(b->enough_seconds < 2 * true_seconds(&enough));
 }
-END_TEST
 
 /* Two meshes with unlike limits: the reference is as doubtful as they are apart. */
-START_TEST(meshes_that_disagree) {
+TEST_EACH(meshes_that_disagree, 0, 2) {
   offset = _i ? -.02 : .02;
   const budget *b = run_budget(SCENE_AT_ONCE, 0, .01, 1e6);
   ck_assert(b->disagree && !b->met);
   ck_assert(fabs(b->doubt[OF_FORCE] - .02) < 1e-3);
 }
-END_TEST
 
 /* Steps that go with the mesh, at any sign of the errors. */
-START_TEST(steps_with_the_mesh) {
+TEST_EACH(steps_with_the_mesh, 0, 4) {
   sign = _i % 2 ? -1 : 1;
   exact = _i < 2 ? NAN : 3;
   const budget *b = run_budget(SCENE_MOVING, 1, .02, 1e6);
@@ -191,10 +182,9 @@ START_TEST(steps_with_the_mesh) {
   const setting half = setting_scaled(b->scene, -1, 0, 0);
   ck_assert_int_eq(b->probe[ladder_probe(b, &b->mesh, -1)].at.steps, half.steps);
 }
-END_TEST
 
 /* Values to and fro: no order, the finest value with three times the largest change as doubt. */
-START_TEST(values_without_an_order) {
+TEST(values_without_an_order) {
   wiggle = .004;
   const budget *b = run_budget(SCENE_FORMING, 0, .2, 1e6);
   const ladder *l = &b->mesh;
@@ -204,10 +194,9 @@ START_TEST(values_without_an_order) {
   ck_assert(l->doubt >= 3 * .004 && l->doubt < .25 * b->accuracy);
   ck_assert_int_gt(finest->nx, own_nx);
 }
-END_TEST
 
 /* Where finer meshes fail, the ladder ends below, and the rest goes on. */
-START_TEST(fine_meshes_fail) {
+TEST(fine_meshes_fail) {
   most_nx = 2 * own_nx;
   const budget *b = run_budget(SCENE_FORMING, 0, .001, 1e6);
   ck_assert(!b->met);
@@ -216,11 +205,7 @@ START_TEST(fine_meshes_fail) {
   ck_assert_int_eq(b->probe[b->take].at.nx, most_nx);
   ck_assert_int_eq(b->check, -1);
 }
-END_TEST
 
 int main(void) {
-  return RUN("budget", plain_scene, NULL, EACH(the_cheapest_is_taken, 0, 20),
-             EACH(what_would_be_enough, 0, 2), EACH(meshes_that_disagree, 0, 2),
-             EACH(steps_with_the_mesh, 0, 4), ONCE(values_without_an_order),
-             ONCE(fine_meshes_fail));
+  return run_tests("budget", plain_scene, NULL);
 }

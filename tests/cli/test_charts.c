@@ -1,9 +1,5 @@
 /* test_charts.c: chart, map, profile and solve --plot: figures, verdicts, files, exit statuses. */
 #define _GNU_SOURCE
-#include <check.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 
 #include "program.h"
@@ -39,7 +35,7 @@ static const char *const tolerances[] = {"1e-02", "1e-04", "1e-08", "1e-12"};
 
 /* Each row that was asked tells iterations, verdict and residual of `solve --json` at the same
  * tolerance, to the last bit. */
-START_TEST(chart_tells_what_solve_tells) {
+TEST_EACH(chart_tells_what_solve_tells, 0, 3) {
   NEEDS_HDF5;
   char arguments[300], key[80], verdict[40];
   (void)snprintf(arguments, sizeof arguments, "chart -r 1 %s -o @", charted[_i]);
@@ -69,9 +65,8 @@ START_TEST(chart_tells_what_solve_tells) {
     }
   ck_assert_int_ge(compared, 30);
 }
-END_TEST
 
-START_TEST(chart_names_the_method_and_writes_its_files) {
+TEST(chart_names_the_method_and_writes_its_files) {
   ck_assert_int_eq(run("chart -r 1 jean-fig3 -o @/a/b"), 0);
   ck_assert(shows("\ntake ") && shows("times the fastest") && shows("\nauto  "));
   ck_assert(shows("errors in r; answer A of "));
@@ -93,10 +88,9 @@ START_TEST(chart_names_the_method_and_writes_its_files) {
     found++;
   }
 }
-END_TEST
 
 /* Errors are measured from a proved answer: each is at least its radius. */
-START_TEST(chart_proves_its_reference) {
+TEST(chart_proves_its_reference) {
   ck_assert_int_eq(run("chart -r 1 data/failures/c28-nearly-singular.txt -o @"), 0);
   const char *proved = strstr(output, ", proved within ");
   ck_assert_msg(proved != NULL, "%s", output);
@@ -115,11 +109,10 @@ START_TEST(chart_proves_its_reference) {
   ck_assert_int_gt(rows, 20);
   ck_assert(strstr(contents("chart.gp"), "the proved error in r") != NULL);
 }
-END_TEST
 
 /* One contact that slips, W = 2, mu = 1/2 and r = (1, 1/2): w d r / d q_n = (1, 1/2), d r / d mu =
  * (0, 1). */
-START_TEST(info_maps_what_reactions_depend_on) {
+TEST(info_maps_what_reactions_depend_on) {
   char path[300], arguments[400];
   (void)snprintf(path, sizeof path, "%s/slip.txt", directory);
   FILE *file = fopen(path, "w");
@@ -135,32 +128,28 @@ START_TEST(info_maps_what_reactions_depend_on) {
   ck_assert_int_eq(run("info data/failures/c05-hyperstatic.txt --sensitivity -o @/b"), 2);
   ck_assert(shows("no derivative"));
 }
-END_TEST
 
-START_TEST(rank_deficient_is_measured_in_u) {
+TEST(rank_deficient_is_measured_in_u) {
   NEEDS_HDF5;
   ck_assert_int_eq(run("chart -r 1 data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5 -o @"), 0);
   ck_assert(shows("errors in u, W being rank deficient; answer A of "));
 }
-END_TEST
 
-START_TEST(several_answers_are_told) {
+TEST(several_answers_are_told) {
   ck_assert_int_eq(run("chart -r 1 data/failures/c16-three-solutions-3d.txt -o @"), 0);
   ck_assert(shows("SEVERAL ANSWERS: answer A of ") && shows("; answer B of "));
 }
-END_TEST
 
 /* No solution: auto fails, and the files are there all the same. */
-START_TEST(chart_is_1_where_auto_fails) {
+TEST(chart_is_1_where_auto_fails) {
   ck_assert_int_eq(run("chart -r 1 data/failures/c04-squeezed.txt -o @"), 1);
   ck_assert(shows("auto: proved none") && shows("true errors are unknown"));
   ck_assert_int_ge(count_of(contents("chart.csv"), "proved none"), 13);
 }
-END_TEST
 
 /* Without gnuplot: tables are written, one line says what to install, and the exit is as if
  * drawn. */
-START_TEST(without_gnuplot) {
+TEST(without_gnuplot) {
   static const char *const calls[] = {
       "chart -r 1 jean-fig4 -o @/c", "map --rows 3 --limit 0.05 jean-fig4 -o @/m",
       "profile -r 1 jean-fig4 -o @/p", "solve data/failures/c20-scales.txt --plot @/s"};
@@ -177,10 +166,9 @@ START_TEST(without_gnuplot) {
     ck_assert_int_ge(count_of(contents(files[k]), "\n"), 3);
   }
 }
-END_TEST
 
 /* --no-pictures: the same tables and scripts, and gnuplot is not looked for. */
-START_TEST(no_pictures_are_asked_for) {
+TEST_EACH(no_pictures_are_asked_for, 0, 3) {
   static const char *const scenes[] = {"jean-fig3 --mesh 4x4", "bar-impact --mesh 6 --steps 6",
                                        "indentation --mesh 6x4 --steps 2"};
   static const char *const tables[] = {"contact.csv", "energy.csv", "contact.csv"};
@@ -212,11 +200,10 @@ START_TEST(no_pictures_are_asked_for) {
   (void)snprintf(arguments, sizeof arguments, "ls %s/1 | grep -q -e png -e svg", directory);
   ck_assert_int_ne(system(arguments), 0);
 }
-END_TEST
 
 /* ---- map ------------------------------------------------------------------------------------- */
 
-START_TEST(map_of_friction) {
+TEST(map_of_friction) {
   ck_assert_int_eq(run("map jean-fig3 --rows 5 --mu 0:4 -o @"), 0);
   const char *csv = contents("map.csv");
   ck_assert_int_eq(count_of(csv, "\n"), 1 + 6 * with_model); /* 1 is the scene's own */
@@ -226,44 +213,39 @@ START_TEST(map_of_friction) {
   ck_assert_int_ge(count_of(contents("map.gp"), "one answer for all loads below 0.22"), 1);
   ck_assert_int_ge(count_of(contents("map.gp"), "some candidate jams above 2.8"), 1);
 }
-END_TEST
 
 /* A wedge jams from a friction on: auto says so, and no other method is better. */
-START_TEST(map_of_a_wedge_that_jams) {
+TEST(map_of_a_wedge_that_jams) {
   ck_assert_int_eq(run("map data/failures/c03-jam-below.txt --rows 9 --mu 0:3 -o @"), 0);
   const char *csv = contents("map.csv");
   ck_assert_int_ge(count_of(csv, ",auto,solved,"), 2);
   ck_assert_int_ge(count_of(csv, ",auto,likely none,"), 1);
   ck_assert_int_ge(count_of(contents("map.gp"), "last reached by continuation"), 1);
 }
-END_TEST
 
-START_TEST(map_of_problems) {
+TEST(map_of_problems) {
   ck_assert_int_eq(run("map data/failures/c04-squeezed.txt data/failures/c20-scales.txt -o @"), 0);
   const char *csv = contents("map.csv");
   ck_assert_int_eq(count_of(csv, ",auto,proved none,"), 1);
   ck_assert_int_eq(count_of(csv, "c20-scales,"), without_model);
 }
-END_TEST
 
-START_TEST(map_against_rank) {
+TEST(map_against_rank) {
   ck_assert_int_eq(run("map data/failures/c20-scales.txt --against rank --samples 2 --rows 2 -o @"),
                    0);
   const char *csv = contents("map.csv");
   ck_assert_int_eq(count_of(csv, "\n"), 1 + 2 * 7 * without_model);
   ck_assert_int_eq(count_of(csv, ",1,auto,1,0\n"), 2); /* full rank: all solved */
 }
-END_TEST
 
-START_TEST(map_of_a_scene_in_steps) {
+TEST(map_of_a_scene_in_steps) {
   ck_assert_int_eq(run("map extrusion --rows 2 --mu 0.05:0.1 --limit 0.1 -o @") & ~1, 0);
   ck_assert_int_eq(count_of(contents("map.csv"), "\n"), 1 + 2 * 6);
 }
-END_TEST
 
 /* A coarse mesh folds under much friction: a verdict of its own, in a colour of its own. Fine ones
  * end at the limit, within a step that would take seconds. */
-START_TEST(map_of_meshes_that_fold) {
+TEST(map_of_meshes_that_fold) {
   ck_assert_int_eq(run("map extrusion --against mesh --rows 1 --mu 0.3:0.5 --limit 0.05 -o @"), 1);
   const char *csv = contents("map.csv");
   ck_assert_int_ge(count_of(csv, "0.5,2x3,mesh folded,0.3"), 1);
@@ -276,10 +258,9 @@ START_TEST(map_of_meshes_that_fold) {
   ck_assert_int_ge(count_of(contents("map.dat"), "0 0 0x303030 0xffffff \"mesh folded 3"), 1);
   ck_assert_int_ge(count_of(contents("map.dat"), "%\" 1\n"), 2); /* hatched */
 }
-END_TEST
 
 /* Without friction the upper of two blocks slides off; friction 1 keeps it at its place. */
-START_TEST(map_of_bodies_that_move) {
+TEST(map_of_bodies_that_move) {
   ck_assert_int_eq(run("map two-blocks --rows 2 --mu 0:1 -o @"), 1);
   const char *csv = contents("map.csv");
   ck_assert_int_eq(count_of(csv, "\n"), 1 + 2 * 6);
@@ -295,11 +276,10 @@ START_TEST(map_of_bodies_that_move) {
   ck_assert_int_eq(count_of(contents("m/map.csv"), ",100,solved,"), 1);
   ck_assert_int_eq(run("map block-drop --rows 1 --mu 0.1:1 --limit 10 -o @/b"), 0);
 }
-END_TEST
 
 /* A run that finishes with few steps is no right answer: each cell says how far its force is from
  * that of the most steps. */
-START_TEST(map_tells_how_far_a_run_is_off) {
+TEST(map_tells_how_far_a_run_is_off) {
   ck_assert_int_eq(run("map indentation --rows 1 --mu 0.1:1 --limit 10 -o @"), 0);
   const char *at = contents("map.csv");
   double off[6];
@@ -316,19 +296,17 @@ START_TEST(map_tells_how_far_a_run_is_off) {
   ck_assert_int_eq(count_of(contents("map.dat"), " s, finest\""), 1);
   ck_assert_int_ge(count_of(contents("map.dat"), " %\""), 5);
 }
-END_TEST
 
 /* A solve that ends at its own limit of iterations goes on; if it still has no verdict when its
  * time is over, it has none. */
-START_TEST(limits_are_no_verdicts) {
+TEST(limits_are_no_verdicts) {
   ck_assert_int_eq(run("map jean-fig3 --rows 2 --mu 0.05:10 --limit 0.001 -o @"), 0);
   ck_assert_int_eq(count_of(contents("map.csv"), "10,10,gauss-seidel,not decided,"), 1);
   ck_assert_int_eq(count_of(contents("map.gp"), "no verdict in 0.01 s of CPU"), 1);
 }
-END_TEST
 
 /* The steps of scenes, and matrices, in every command; the answer of a step is the scene's. */
-START_TEST(steps_and_matrices_are_problems) {
+TEST(steps_and_matrices_are_problems) {
   static const char *const names[] = {"indentation --step 10", "two-blocks", "block-drop",
                                       "jean-moving4 --step 10", "bar-impact"};
   static const char *const notes[] = {"step 10 of 100, 4 contacts touch", "step 40 of 40",
@@ -351,9 +329,8 @@ START_TEST(steps_and_matrices_are_problems) {
   ck_assert_int_eq(run("map indentation --step 10 --rows 2 --mu 0.1:0.2 -o @/m"), 0);
   ck_assert_int_ge(count_of(contents("m/map.csv"), ",auto,solved,"), 2);
 }
-END_TEST
 
-START_TEST(matrices_are_problems) {
+TEST(matrices_are_problems) {
   static const char *const calls[] = {"solve", "info", "chart -r 1 -o @/c", "profile -r 1 -o @/p",
                                       "map --mu 0:2 --rows 3 -o @/m"};
   char path[300], arguments[400];
@@ -370,10 +347,9 @@ START_TEST(matrices_are_problems) {
   }
   ck_assert_int_eq(count_of(contents("m/map.csv"), "0.5 (own),0.5,"), without_model);
 }
-END_TEST
 
 /* An LCP is no contact problem: a line, and the rest goes on. */
-START_TEST(lcps_are_skipped) {
+TEST(lcps_are_skipped) {
   static const char *const calls[] = {"chart -r 1 %s -o @", "map %s -o @", "profile -r 1 %s -o @",
                                       "map --rows 2 --limit 0.05 %s jean-fig4 -o @",
                                       "profile -r 1 %s jean-fig4 -o @/p"};
@@ -386,10 +362,9 @@ START_TEST(lcps_are_skipped) {
   }
   ck_assert_int_eq(run("solve data/failures/l01-cycling.txt"), 0);
 }
-END_TEST
 
 /* Ctrl-C in a long map: what is done is drawn. */
-START_TEST(interrupted_map_is_drawn) {
+TEST(interrupted_map_is_drawn) {
   const char *program = getenv("DELASSUS_PROGRAM");
   char command[600];
   (void)snprintf(command, sizeof command,
@@ -402,11 +377,10 @@ START_TEST(interrupted_map_is_drawn) {
   ck_assert_int_lt(count_of(contents("map.csv"), "\n"), 1 + 7 * 7 * without_model);
   (void)contents("map.gp");
 }
-END_TEST
 
 /* ---- profile, plot --------------------------------------------------------------------------- */
 
-START_TEST(profile_counts) {
+TEST(profile_counts) {
   ck_assert_int_eq(
       run("profile -r 1 jean-fig3 jean-fig4 data/failures/c11-gauss-seidel-cycle.txt -o @"), 0);
   ck_assert(shows("auto over the fastest single method, 3 problems"));
@@ -422,18 +396,16 @@ START_TEST(profile_counts) {
   ck_assert_int_eq(count_of(contents("profile.gp"), "\"auto\".' 2/2'"), 1);
   ck_assert_int_eq(count_of(contents("profile.gp"), "\"newton\".' 1/2'"), 1);
 }
-END_TEST
 
-START_TEST(solve_plots_its_history) {
+TEST(solve_plots_its_history) {
   NEEDS_HDF5;
   ck_assert_int_eq(run("solve data/fclib/FC2D_SliderCrankLagrangian00000.hdf5 --plot @/h"), 0);
   ck_assert_int_ge(count_of(contents("h/history.csv"), "\n"), 2);
   ck_assert_int_ge(count_of(contents("h/history.gp"), "title \"nlgs\""), 1);
 }
-END_TEST
 
 /* Without --out the files go into a new folder under TMPDIR, which is printed. */
-START_TEST(a_new_folder_each_time) {
+TEST(a_new_folder_each_time) {
   static const char *const calls[] = {"chart jean-fig4 -r 1 -b 0.1", "map jean-fig4 --rows 1",
                                       "profile jean-fig4 -r 1 -b 0.1",
                                       "profile jean-fig4 -r 1 -b 0.1"};
@@ -455,9 +427,8 @@ START_TEST(a_new_folder_each_time) {
   (void)snprintf(path, sizeof path, "test $(ls %s | wc -l) = 4", directory);
   ck_assert_int_eq(system(path), 0);
 }
-END_TEST
 
-START_TEST(wrong_use_is_2) {
+TEST(wrong_use_is_2) {
   static const char *const wrong[] = {"chart",
                                       "chart a b",
                                       "chart /no/such.hdf5",
@@ -493,19 +464,7 @@ START_TEST(wrong_use_is_2) {
     ck_assert_msg(shows("delassus"), "delassus %s says: %s", wrong[k], output);
   }
 }
-END_TEST
 
 int main(void) {
-  return RUN(
-      "charts", make_directory, remove_directory, EACH(chart_tells_what_solve_tells, 0, 3),
-      ONCE(chart_proves_its_reference), ONCE(info_maps_what_reactions_depend_on),
-      ONCE(chart_names_the_method_and_writes_its_files), ONCE(rank_deficient_is_measured_in_u),
-      ONCE(several_answers_are_told), ONCE(chart_is_1_where_auto_fails), ONCE(without_gnuplot),
-      EACH(no_pictures_are_asked_for, 0, 3), ONCE(map_of_friction), ONCE(map_of_a_wedge_that_jams),
-      ONCE(map_of_problems), ONCE(map_against_rank), ONCE(map_of_a_scene_in_steps),
-      ONCE(map_of_meshes_that_fold), ONCE(map_of_bodies_that_move),
-      ONCE(map_tells_how_far_a_run_is_off), ONCE(limits_are_no_verdicts),
-      ONCE(steps_and_matrices_are_problems), ONCE(matrices_are_problems), ONCE(lcps_are_skipped),
-      ONCE(interrupted_map_is_drawn), ONCE(profile_counts), ONCE(solve_plots_its_history),
-      ONCE(a_new_folder_each_time), ONCE(wrong_use_is_2));
+  return run_tests("charts", make_directory, remove_directory);
 }

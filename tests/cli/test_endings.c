@@ -1,10 +1,6 @@
 /* test_endings.c: the last line of every command, --quiet, --verbose, colours on a terminal. */
 #define _GNU_SOURCE
-#include <check.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -42,7 +38,7 @@ static const ending endings[] = {
 enum { ENDINGS_OF_ALL = sizeof endings / sizeof endings[0] };
 
 /* The last line tells what the exit status tells; with --quiet it is the only one. */
-START_TEST(last_line_in_words) {
+TEST_EACH(last_line_in_words, 0, ENDINGS_OF_ALL) {
   const ending *e = &endings[_i];
   char arguments[300], line[200];
   (void)snprintf(line, sizeof line, e->status == 2 ? "%s" : "%s\n", e->line);
@@ -55,10 +51,9 @@ START_TEST(last_line_in_words) {
   ck_assert_int_eq(run(arguments), e->status);
   ck_assert_str_eq(output, line);
 }
-END_TEST
 
 /* One object, and nothing after it; what an option asks for is printed with --quiet, too. */
-START_TEST(json_stands_alone) {
+TEST(json_stands_alone) {
   static const char *const calls[] = {"solve -q --json data/failures/c20-scales.txt",
                                       "scene -q --json jean-fig3",
                                       "scene indentation --mesh 4x4 --steps 10 --json -q",
@@ -72,10 +67,9 @@ START_TEST(json_stands_alone) {
   ck_assert_int_eq(run("info -q data/failures/c20-scales.txt"), 0);
   ck_assert_str_eq(output, "");
 }
-END_TEST
 
 /* --verbose tells each step on stderr and leaves stdout as it is. */
-START_TEST(verbose_goes_to_stderr) {
+TEST(verbose_goes_to_stderr) {
   NEEDS_HDF5;
   static const char *const calls[][2] = {
       {"solve data/failures/c20-scales.txt", "s of CPU, residual"},
@@ -94,7 +88,6 @@ START_TEST(verbose_goes_to_stderr) {
     ck_assert_msg(strstr(output, calls[k][1]) == NULL, "%s: %s", arguments, output);
   }
 }
-END_TEST
 
 /* Runs a solve whose stdout is a terminal; text: room for 100 characters of it. */
 static void run_on_terminal(const char *problem, char text[100]) {
@@ -112,7 +105,7 @@ static void run_on_terminal(const char *problem, char text[100]) {
   (void)close(master);
 }
 
-START_TEST(colour_unless_no_color) {
+TEST(colour_unless_no_color) {
   char text[100];
   unsetenv("NO_COLOR");
   run_on_terminal("data/failures/c20-scales.txt", text);
@@ -123,10 +116,9 @@ START_TEST(colour_unless_no_color) {
   run_on_terminal("data/failures/c20-scales.txt", text);
   ck_assert_str_eq(text, "solved\r\n");
 }
-END_TEST
 
 /* Ctrl-C draws what is done, and the last line says that it is not all. */
-START_TEST(interrupted_is_not_solved) {
+TEST(interrupted_is_not_solved) {
   const char *program = getenv("DELASSUS_PROGRAM");
   char command[400], line[100];
   (void)snprintf(command, sizeof command,
@@ -140,11 +132,10 @@ START_TEST(interrupted_is_not_solved) {
   const int status = pclose(pipe);
   ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == 1);
 }
-END_TEST
 
 /* A signal ends the program while it reads, here a file without an end; `timeout` would kill it
  * 20 s later and return 137. */
-START_TEST(reading_ends_at_once) {
+TEST(reading_ends_at_once) {
   static const int signals[] = {SIGINT, SIGTERM};
   const char *program = getenv("DELASSUS_PROGRAM");
   char command[400];
@@ -155,10 +146,9 @@ START_TEST(reading_ends_at_once) {
     ck_assert_int_eq(system(command), 0);
   }
 }
-END_TEST
 
 /* OpenBLAS looks without end for memory that is not there: the program ends at once. */
-START_TEST(little_address_space) {
+TEST(little_address_space) {
 #ifdef __SANITIZE_ADDRESS__
   return; /* takes terabytes of it */
 #endif
@@ -174,7 +164,6 @@ START_TEST(little_address_space) {
     ck_assert_msg(WEXITSTATUS(status) != 124, "ulimit -v %d: still at work after 60 s", limit);
   }
 }
-END_TEST
 
 /* Returns the exit status of the program under a limit of the shell. */
 static int run_within(const char *limit, const char *arguments) {
@@ -192,7 +181,7 @@ static int run_within(const char *limit, const char *arguments) {
 
 /* A file may not grow further, as on a full disk: the error has a name, the rows that were written
  * stay, and nothing else does. */
-START_TEST(no_room_for_files) {
+TEST(no_room_for_files) {
   static const struct {
     const char *limit, *arguments, *table, *head;
   } runs[] = {
@@ -213,10 +202,9 @@ START_TEST(no_room_for_files) {
     ck_assert_int_eq(run_within("-f 1000", "-V >/dev/null; rm -r o"), 0);
   }
 }
-END_TEST
 
 /* A stack of 96 kB is enough. */
-START_TEST(little_stack) {
+TEST(little_stack) {
 #ifdef __SANITIZE_ADDRESS__
   return; /* takes more of it */
 #endif
@@ -229,12 +217,7 @@ START_TEST(little_stack) {
     ck_assert_msg(run_within("-s 96", arguments) == 0, "%s", arguments);
   }
 }
-END_TEST
 
 int main(void) {
-  return RUN("endings", make_directory, remove_directory,
-             EACH(last_line_in_words, 0, ENDINGS_OF_ALL), ONCE(json_stands_alone),
-             ONCE(verbose_goes_to_stderr), ONCE(colour_unless_no_color),
-             ONCE(interrupted_is_not_solved), ONCE(reading_ends_at_once),
-             ONCE(little_address_space), ONCE(no_room_for_files), ONCE(little_stack));
+  return run_tests("endings", make_directory, remove_directory);
 }

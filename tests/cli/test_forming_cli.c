@@ -1,48 +1,29 @@
 /* test_forming_cli.c: the forming scenes in the program: exit statuses, tables, files. */
-#include <check.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "program.h"
 #include "run.h"
 
-/* lines of a file of the test's directory; last (size) := the last one */
-static int count_lines(const char *name, char *last, int size) {
-  char path[128];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "r");
-  ck_assert_msg(file != NULL, "%s is not there", path);
-  int lines = 0;
-  while (fgets(last, size, file))
-    lines++;
-  (void)fclose(file);
-  return lines;
-}
-
-START_TEST(files) {
+TEST(files) {
   char line[400];
   ck_assert_int_eq(
       run("scene indentation --mesh 6x5 --steps 20 --at 2,4.1 --method newton --out @/a/b"), 0);
   ck_assert_ptr_nonnull(strstr(output, "\n    2.0000"));
   ck_assert_ptr_nonnull(strstr(output, "\n    4.5000")); /* the step that reaches 4.1 */
   ck_assert_ptr_nonnull(strstr(output, "indentation by newton: solved at 10 of 10 mm"));
-  ck_assert_int_eq(count_lines("a/b/force.csv", line, sizeof line), 22); /* rest, too */
+  ck_assert_int_eq(lines_of("a/b/force.csv", line, sizeof line), 22); /* rest, too */
   double travel, force;
   ck_assert_int_eq(sscanf(line, "%lf,%lf,", &travel, &force), 2);
   ck_assert(travel == 10 && force > 9000 && force < 16000);
-  ck_assert_int_eq(count_lines("a/b/contact.csv", line, sizeof line), 1 + 3 * 7);
-  ck_assert_int_eq(count_lines("a/b/series.pvd", line, sizeof line), 3 + 2 * 20 + 2);
-  ck_assert_int_gt(count_lines("a/b/step_0020.vtu", line, sizeof line), 40);
-  ck_assert_int_gt(count_lines("a/b/tools_0020.vtu", line, sizeof line), 40);
-  ck_assert_int_gt(count_lines("a/b/mesh.gp", line, sizeof line), 10);
-  ck_assert_int_gt(count_lines("a/b/plastic.dat", line, sizeof line), 30 * 6);
-  ck_assert_int_gt(count_lines("a/b/force.gp", line, sizeof line), 5);
-  ck_assert_int_eq(count_lines("a/b/pressure.dat", line, sizeof line), 20 * 8);
+  ck_assert_int_eq(lines_of("a/b/contact.csv", line, sizeof line), 1 + 3 * 7);
+  ck_assert_int_eq(lines_of("a/b/series.pvd", line, sizeof line), 3 + 2 * 20 + 2);
+  ck_assert_int_gt(lines_of("a/b/step_0020.vtu", line, sizeof line), 40);
+  ck_assert_int_gt(lines_of("a/b/tools_0020.vtu", line, sizeof line), 40);
+  ck_assert_int_gt(lines_of("a/b/mesh.gp", line, sizeof line), 10);
+  ck_assert_int_gt(lines_of("a/b/plastic.dat", line, sizeof line), 30 * 6);
+  ck_assert_int_gt(lines_of("a/b/force.gp", line, sizeof line), 5);
+  ck_assert_int_eq(lines_of("a/b/pressure.dat", line, sizeof line), 20 * 8);
 }
-END_TEST
 
-START_TEST(every_method) {
+TEST(every_method) {
   static const char *const methods[] = {
       "lemke", "nlgs", "newton", "penalty", "gauss-seidel", "augmented-lagrangian", "auto"};
   double forces[7];
@@ -57,21 +38,19 @@ START_TEST(every_method) {
     ck_assert_double_eq_tol(forces[k], forces[0], (k == 3 ? 1e-2 : 1e-5) * forces[0]);
   }
 }
-END_TEST
 
 /* a tolerance below rounding: not solved, 1, and the state reached is printed */
-START_TEST(not_solved) {
+TEST(not_solved) {
   ck_assert_int_eq(run("scene indentation --mesh 4x4 --tol 1e-16"), 1);
   ck_assert_ptr_nonnull(strstr(output, "of 10 mm"));
   ck_assert_ptr_nonnull(strstr(output, "\nnot solved: "));
   ck_assert_int_eq(run("scene extrusion --limit 0.05 --out @/limited"), 1);
   ck_assert_ptr_nonnull(strstr(output, "extrusion by auto: time limit reached at "));
   char line[400];
-  ck_assert_int_gt(count_lines("limited/force.csv", line, sizeof line), 2);
+  ck_assert_int_gt(lines_of("limited/force.csv", line, sizeof line), 2);
 }
-END_TEST
 
-START_TEST(bad_options) {
+TEST(bad_options) {
   static const char *const bad[] = {
       "scene indentation --mesh 4",        "scene indentation --mesh 4x0",
       "scene indentation --mesh 4x4x4",    "scene indentation --steps 0",
@@ -86,9 +65,7 @@ START_TEST(bad_options) {
   ck_assert_int_eq(run("scene --list"), 0);
   ck_assert(strstr(output, "indentation") && strstr(output, "extrusion"));
 }
-END_TEST
 
 int main(void) {
-  return RUN("forming_cli", make_directory, remove_directory, ONCE(files), ONCE(every_method),
-             ONCE(not_solved), ONCE(bad_options));
+  return run_tests("forming_cli", make_directory, remove_directory);
 }

@@ -1,9 +1,5 @@
 /* test_matrices.c: `delassus solve` from the matrices of a host code, and the same host in C. */
 #define _GNU_SOURCE
-#include <check.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "delassus.h"
 #include "program.h"
@@ -150,7 +146,7 @@ static int ends_in(const char *text) {
   return length >= tail && strcmp(output + length - tail, text) == 0;
 }
 
-START_TEST(equal_to_a_host_in_c) {
+TEST(equal_to_a_host_in_c) {
   make_host();
   write_host();
   solve_in_c();
@@ -176,9 +172,8 @@ START_TEST(equal_to_a_host_in_c) {
   ck_assert_int_eq(memcmp(again, r, sizeof r), 0);
   dls_mtx_free(again);
 }
-END_TEST
 
-START_TEST(one_h_one_list_and_npy) {
+TEST(one_h_one_list_and_npy) {
   make_host();
   write_host();
   solve_in_c();
@@ -219,11 +214,10 @@ START_TEST(one_h_one_list_and_npy) {
   same_as_in_c(0);
   dls_reduction_destroy(reduction);
 }
-END_TEST
 
 /* A header that is none: beyond the range of an int, which 32 bits would cut to 2 x 2; a version
  * that there is not; a shape cut short. */
-START_TEST(npy_headers) {
+TEST(npy_headers) {
   static const struct {
     int version;
     const char *shape;
@@ -252,11 +246,10 @@ START_TEST(npy_headers) {
                   "%d %s: %s", headers[k].version, headers[k].shape, output);
   }
 }
-END_TEST
 
 /* The point of examples/point.c, with the numbers of CalculiX: node 7 is held in z. */
 /* What can be read once only is read once: pipes, standard input. No copy stays. */
-START_TEST(pipes) {
+TEST(pipes) {
   static const char program[] = "-V >/dev/null; cat @/%s | ${DELASSUS_PROGRAM:-build/delassus} %s";
   static const struct {
     const char *file, *arguments;
@@ -289,10 +282,9 @@ START_TEST(pipes) {
   ck_assert_int_eq(run("solve - </dev/null"), 2);
   ck_assert_int_eq(run("solve -q - <@/p.txt"), 0);
 }
-END_TEST
 
 /* Tables as Windows and Fortran write them. */
-START_TEST(mark_and_exponents) {
+TEST(mark_and_exponents) {
   put("W.csv", "\xef\xbb\xbf"
                "2D0;.5d+0\r\n5D-1;1.0\r\n");
   put("q.csv", "\xef\xbb\xbf"
@@ -306,11 +298,10 @@ START_TEST(mark_and_exponents) {
   put("q.csv", "-1\n3D\n");
   ck_assert_int_eq(run("solve --dim 2 --W @/W.csv --q @/q.csv --mu .5"), 2);
 }
-END_TEST
 
 /* Normals alone: as many frictions, all 0, as rows of W, or --dim=1. By hand: r = (0, 2),
  * u = (1, 0). */
-START_TEST(normals_alone) {
+TEST(normals_alone) {
   static const char answer[] = "candidate_from_0,state,gap,r_n,u_n\n0,free,1,0,1\n1,touch,0,2,0\n";
   put("W.txt", "2 1\n1 2\n");
   put("q.txt", "-1\n-4\n");
@@ -322,9 +313,8 @@ START_TEST(normals_alone) {
   ck_assert_int_eq(run("solve --dim=1 --W @/W.txt --q @/q.txt --mu .3"), 2);
   ck_assert(strstr(output, "must be 0 where d = 1"));
 }
-END_TEST
 
-START_TEST(calculix) {
+TEST(calculix) {
   put("job.sti", "1 1 3.0000000000000e+00\n1 2 1.0e0\n2 2 2.0e0\n");
   put("job.dof", "7.1\n7.2\n");
   put("nodes.txt", "7  0 1 0\n");
@@ -349,10 +339,9 @@ START_TEST(calculix) {
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --mu 1"), 2);
   ck_assert(strstr(output, "on or above the diagonal") != NULL);
 }
-END_TEST
 
 /* A bar of two free nodes, pressed onto a wall on each side. */
-START_TEST(free_body) {
+TEST(free_body) {
   put("K.txt", "1 -1\n-1 1\n");
   put("N.txt", "1 0\n0 -1\n");
   put("f.txt", "3 1\n");
@@ -372,11 +361,10 @@ START_TEST(free_body) {
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --on=V"), 2);
   ck_assert(strstr(output, "is not W or K") != NULL);
 }
-END_TEST
 
 /* Each line: the arguments, and what the complaint says. */
 /* The point of a spring model by lines row column value, H_N without its last rows; by labels. */
-START_TEST(triplets_and_labels) {
+TEST(triplets_and_labels) {
   put("K.txt", "1 1 3\n1 2 1\n2 1 1\n2 2 2\n3 3 5\n");
   put("N.txt", "2 1 1\n");
   put("T.txt", "1 1 1\n");
@@ -396,11 +384,10 @@ START_TEST(triplets_and_labels) {
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --mu 0"), 2);
   ck_assert_ptr_nonnull(strstr(output, "looks like triplets"));
 }
-END_TEST
 
 /* Three nodes on springs, 2D, the middle one pressed: sums, moments, fields, a picture; by HN and
  * coordinates and by a list of nodes with them. */
-START_TEST(coordinates) {
+TEST(coordinates) {
   put("K.txt", "2 0 -1 0 0 0\n0 2 0 -1 0 0\n-1 0 2 0 -1 0\n0 -1 0 2 0 -1\n0 0 -1 0 2 0\n"
                "0 0 0 -1 0 2\n");
   put("N.txt", "0\n0\n0\n1\n0\n0\n");
@@ -455,9 +442,8 @@ START_TEST(coordinates) {
                    2);
   ck_assert_ptr_nonnull(strstr(output, "has 2 rows, K has 6 unknowns: 2 for each node are wanted"));
 }
-END_TEST
 
-START_TEST(bad_matrices_are_2) {
+TEST(bad_matrices_are_2) {
   static const char *const wrong[][2] = {
       {"--HN @/N.txt --f @/f.txt", "one of --stiffness"},
       {"--stiffness @/K.txt --flexibility @/K.txt --HN @/N.txt", "one of --stiffness"},
@@ -518,10 +504,9 @@ START_TEST(bad_matrices_are_2) {
     ck_assert_msg(run(arguments) == 2 && strstr(output, wrong[k][1]), "%s: %s", arguments, output);
   }
 }
-END_TEST
 
 /* The last line says how it ended; --quiet leaves it alone, --verbose tells the way on stderr. */
-START_TEST(last_line) {
+TEST(last_line) {
   ck_assert_int_eq(run("solve -q " TEST_DATA "/failures/c20-scales.txt"), 0);
   ck_assert_str_eq(output, "solved\n");
   ck_assert_int_eq(run("solve -q " TEST_DATA "/failures/c03-jam-above.txt"), 1);
@@ -535,11 +520,10 @@ START_TEST(last_line) {
   ck_assert_int_eq(run("solve --json " TEST_DATA "/failures/c20-scales.txt"), 0);
   ck_assert(ends_in("\n}\n"));
 }
-END_TEST
 
 /* Reactions beyond what rounding tells, positions exact: solved, and no candidate is at fault.
  * Sweeps alone do not get there. */
-START_TEST(entries_of_all_sizes) {
+TEST(entries_of_all_sizes) {
   put("W.txt", "2 0 .5 0\n0 2 0 .5\n1.8e-307 1.4e195 1.9e-57 3.5e-152\n"
                "2.7e-315 1.8e-307 4.8e-320 5.8e-275\n");
   put("q.txt", "-1\n.5\n-1\n0\n");
@@ -548,11 +532,10 @@ START_TEST(entries_of_all_sizes) {
   ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu .3 --dim 2 -m nlgs"), 1);
   ck_assert(strstr(output, "the error is at candidate") && !strstr(output, "sweeps diverge"));
 }
-END_TEST
 
 /* A box of width 1 and weight 1 on the floor, K = 0, pushed at its foot: it slides at mu. Held by a
  * spring it carries all. */
-START_TEST(limit) {
+TEST(limit) {
   put("N.mtx",
       "%%MatrixMarket matrix coordinate real general\n3 2 4\n2 1 1\n3 1 -.5\n2 2 1\n3 2 .5\n");
   put("T.mtx", "%%MatrixMarket matrix coordinate real general\n3 2 2\n1 1 1\n1 2 1\n");
@@ -572,12 +555,7 @@ START_TEST(limit) {
   ck_assert_int_eq(run("solve jean-fig3 --limit @/f1.txt"), 2);
   ck_assert_int_eq(run("solve --stiffness @/K.mtx" LIMIT "--limit @/N.mtx"), 2);
 }
-END_TEST
 
 int main(void) {
-  return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
-             ONCE(one_h_one_list_and_npy), ONCE(npy_headers), ONCE(pipes), ONCE(mark_and_exponents),
-             ONCE(normals_alone), ONCE(calculix), ONCE(free_body), ONCE(triplets_and_labels),
-             ONCE(coordinates), ONCE(limit), ONCE(bad_matrices_are_2), ONCE(last_line),
-             ONCE(entries_of_all_sizes));
+  return run_tests("matrices", make_directory, remove_directory);
 }

@@ -1,22 +1,9 @@
 /* test_mistakes.c: mistakes that people make, each with an answer that says what to do; one meaning
  * per short option; JSON from every command. */
 #define _GNU_SOURCE
-#include <check.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "program.h"
 #include "run.h"
-
-static void write_file(const char *name, const char *text) {
-  char path[128];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "w");
-  ck_assert_ptr_nonnull(file);
-  fputs(text, file);
-  ck_assert_int_eq(fclose(file), 0);
-}
 
 /* The point of docs/tour.md, pushed down and to the right, and variants with one thing wrong. */
 static void write_matrices(void) {
@@ -146,17 +133,16 @@ static const struct {
 };
 enum { MISTAKES = sizeof mistakes / sizeof mistakes[0] };
 
-START_TEST(a_mistake_and_its_answer) {
+TEST_EACH(a_mistake_and_its_answer, 0, MISTAKES) {
   write_matrices();
   const int status = run(mistakes[_i].typed);
   ck_assert_msg(strstr(output, mistakes[_i].answer) && status == mistakes[_i].status,
                 "%s: status %d, no \"%s\" in %s", mistakes[_i].typed, status, mistakes[_i].answer,
                 output);
 }
-END_TEST
 
 /* A right input gets no hint. */
-START_TEST(no_hint_without_a_reason) {
+TEST(no_hint_without_a_reason) {
   write_matrices();
   static const char *const right[] = {
       POINT "--mu .2", POINT "--mu .2 --g 0.1", POINT "--mu inf",
@@ -174,10 +160,9 @@ START_TEST(no_hint_without_a_reason) {
                    0);
   ck_assert_str_eq(output, "solved\n");
 }
-END_TEST
 
 /* Each short option stands for one long one, in all commands. */
-START_TEST(short_options_mean_one_thing) {
+TEST(short_options_mean_one_thing) {
   static const char *const commands[] = {"scene --help",
                                          "scene indentation --help",
                                          "scene bar-impact --help",
@@ -204,7 +189,6 @@ START_TEST(short_options_mean_one_thing) {
   }
   ck_assert_int_gt(found, 60);
 }
-END_TEST
 
 /* --json: one object and nothing else on stdout. */
 static const char *const spoken[] = {
@@ -222,7 +206,7 @@ static const char *const spoken[] = {
 
 enum { SPOKEN = sizeof spoken / sizeof spoken[0] };
 
-START_TEST(json_of_every_command) {
+TEST_EACH(json_of_every_command, 0, SPOKEN) {
   char arguments[200];
   (void)snprintf(arguments, sizeof arguments, "%s --json 2>/dev/null", spoken[_i]);
   ck_assert_int_le(run(arguments), 1);
@@ -238,10 +222,7 @@ START_TEST(json_of_every_command) {
   ck_assert_msg(depth == 0 && objects == 1 && !strstr(output, "nan"), "%s: %s", arguments, output);
   if (strncmp(spoken[_i], "info", 4) != 0) ck_assert_ptr_nonnull(strstr(output, "\"status\": \""));
 }
-END_TEST
 
 int main(void) {
-  return RUN("mistakes", make_directory, remove_directory,
-             EACH(a_mistake_and_its_answer, 0, MISTAKES), ONCE(no_hint_without_a_reason),
-             ONCE(short_options_mean_one_thing), EACH(json_of_every_command, 0, SPOKEN));
+  return run_tests("mistakes", make_directory, remove_directory);
 }

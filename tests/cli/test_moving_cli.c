@@ -4,43 +4,11 @@
  */
 #define _XOPEN_SOURCE 700
 
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/moving.h"
 #include "program.h"
 #include "run.h"
 
-/* Opens a file of the test's directory. */
-static FILE *opened(const char *name) {
-  char path[128];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "r");
-  ck_assert_msg(file != NULL, "%s is not there", path);
-  return file;
-}
-
-/* Counts the lines of a file; last (400) := the last one. */
-static int lines_of(const char *name, char last[400]) {
-  FILE *file = opened(name);
-  int lines = 0;
-  while (fgets(last, 400, file))
-    lines++;
-  (void)fclose(file);
-  return lines;
-}
-
-/* Returns the number that follows `before` in the output. */
-static double printed(const char *before) {
-  const char *at = strstr(output, before);
-  ck_assert_msg(at != NULL, "no '%s' in: %s", before, output);
-  return strtod(at + strlen(before), NULL);
-}
-
-START_TEST(summary) { /* the numbers are those of the library */
+TEST(summary) { /* the numbers are those of the library */
   ck_assert_int_eq(run("scene block-drop"), 0);
   ck_assert_ptr_nonnull(strstr(output, "block-drop: velocity form, theta 0.5, consistent mass"));
   ck_assert_ptr_nonnull(strstr(output, "finished after 300 of 300 steps, t = 0.03"));
@@ -51,14 +19,13 @@ START_TEST(summary) { /* the numbers are those of the library */
   for (int k = 0; k < 300; k++)
     ck_assert_int_eq(dls_moving_step(moving, NULL), DLS_OK);
   dls_moving_get(moving, &d);
-  ck_assert_double_eq_tol(printed("impulse: normal "), d.impulse[0], 1e-7);
-  ck_assert_double_eq_tol(printed(", friction "), d.energy.friction, 1e-6);
+  ck_assert_double_eq_tol(number_after("impulse: normal "), d.impulse[0], 1e-7);
+  ck_assert_double_eq_tol(number_after(", friction "), d.energy.friction, 1e-6);
   dls_moving_destroy(moving);
-  ck_assert_double_le(printed("worst step: energy "), 1e-13);
+  ck_assert_double_le(number_after("worst step: energy "), 1e-13);
 }
-END_TEST
 
-START_TEST(options) {
+TEST(options) {
   ck_assert_int_eq(run("scene bar-impact --mesh 20 --mass lumped --courant 0.5 --theta 1"), 0);
   ck_assert_ptr_nonnull(strstr(output, "theta 1, lumped mass, e 0, mu 0, 20 elements, 1 cand"));
   ck_assert_ptr_nonnull(strstr(output, "180 steps")); /* 1.5 / (0.5 * 10 / 20 / 30) */
@@ -72,43 +39,41 @@ START_TEST(options) {
       run("scene jean-moving --law gap --amplitude 2e-6 --frequency 500 --steps 100 --tol 1e-10"),
       0);
   ck_assert_ptr_nonnull(strstr(output, "t = 0.004"));
-  ck_assert_double_lt(printed("friction "), 0);
+  ck_assert_double_lt(number_after("friction "), 0);
 }
-END_TEST
 
-START_TEST(files) {
+TEST(files) {
   char line[400];
   ck_assert_int_eq(run("scene jean-moving --steps 40 --out @/a"), 0);
-  ck_assert_int_eq(lines_of("a/energy.csv", line), 1 + 41);
+  ck_assert_int_eq(lines_of("a/energy.csv", line, sizeof line), 1 + 41);
   double t, x[9];
   ck_assert_int_eq(sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, x, x + 1, x + 2,
                           x + 3, x + 4, x + 5, x + 6, x + 7, x + 8),
                    10);
   ck_assert(t == 2 && x[0] == 0 && x[1] > 100);
   ck_assert_double_le(fabs(x[8]), 1e-12 * x[1]); /* the balance of the energies: 0 at the start */
-  ck_assert_int_eq(lines_of("a/contact.csv", line), 1 + 40 * 16);
+  ck_assert_int_eq(lines_of("a/contact.csv", line, sizeof line), 1 + 40 * 16);
   int candidate;
   char state[10];
   ck_assert_int_eq(
       sscanf(line, "%lf,%d,%lf,%lf,%lf,%lf,%9s", &t, &candidate, x, x + 1, x + 2, x + 3, state), 7);
   ck_assert(t == 2 && candidate == 16 && x[0] > 0);
   ck_assert(strcmp(state, "slip") == 0 || strcmp(state, "stick") == 0);
-  ck_assert_int_eq(lines_of("a/series.pvd", line), 3 + 41 + 2);
-  ck_assert_int_gt(lines_of("a/step_0040.vtu", line), 40);
-  ck_assert_int_eq(lines_of("a/map.dat", line), 1 + 40 * 16);
-  ck_assert_int_gt(lines_of("a/loop.dat", line), 40);
+  ck_assert_int_eq(lines_of("a/series.pvd", line, sizeof line), 3 + 41 + 2);
+  ck_assert_int_gt(lines_of("a/step_0040.vtu", line, sizeof line), 40);
+  ck_assert_int_eq(lines_of("a/map.dat", line, sizeof line), 1 + 40 * 16);
+  ck_assert_int_gt(lines_of("a/loop.dat", line, sizeof line), 40);
   const char *scripts[] = {"a/energy.gp", "a/map.gp", "a/loop.gp"};
   for (int k = 0; k < 3; k++)
-    ck_assert_int_gt(lines_of(scripts[k], line), 8);
+    ck_assert_int_gt(lines_of(scripts[k], line, sizeof line), 8);
   ck_assert_int_eq(run("scene bar-impact --mesh 10 -o @/b"), 0);
-  ck_assert_int_gt(lines_of("b/bar.dat", line), 40);
-  ck_assert_int_gt(lines_of("b/bar.gp", line), 8);
+  ck_assert_int_gt(lines_of("b/bar.dat", line, sizeof line), 40);
+  ck_assert_int_gt(lines_of("b/bar.gp", line, sizeof line), 8);
 }
-END_TEST
 
 /* Ctrl-C, or the signal of a batch system, after a while: exit status 1, whole files of the steps
  * that were done, and no temporary ones. */
-START_TEST(interrupted) {
+TEST_EACH(interrupted, 0, 4) {
   static const char *const signals[] = {"INT", "TERM", "HUP", "XCPU"};
   const char *program = getenv("DELASSUS_PROGRAM");
   char command[400], line[400];
@@ -118,23 +83,22 @@ START_TEST(interrupted) {
                  signals[_i], program ? program : "build/delassus", directory, directory,
                  directory);
   ck_assert_int_eq(system(command), 0);
-  const int steps = lines_of("c/energy.csv", line) - 3;
+  const int steps = lines_of("c/energy.csv", line, sizeof line) - 3;
   ck_assert_msg(strncmp(line, "# cancelled after ", 18) == 0, "%s", line);
   ck_assert(steps > 0 && steps < 26666);
-  ck_assert_int_eq(lines_of("c/contact.csv", line), 1 + steps);
-  (void)lines_of("c/series.pvd", line);
+  ck_assert_int_eq(lines_of("c/contact.csv", line, sizeof line), 1 + steps);
+  (void)lines_of("c/series.pvd", line, sizeof line);
   ck_assert_str_eq(line, "</VTKFile>\n");
-  ck_assert_int_gt(lines_of("c/energy.gp", line), 8);
+  ck_assert_int_gt(lines_of("c/energy.gp", line, sizeof line), 8);
   char wanted[80];
   (void)snprintf(wanted, sizeof wanted, "cancelled after %d of ", steps);
-  FILE *text = opened("text");
+  FILE *text = open_file("text", "r");
   output[fread(output, 1, sizeof output - 1, text)] = '\0';
   (void)fclose(text);
   ck_assert_msg(strstr(output, wanted) != NULL, "%s: %s", wanted, output);
 }
-END_TEST
 
-START_TEST(bad_options) {
+TEST(bad_options) {
   static const char *const bad[] = {
       "scene bar-impact --law gaps",   "scene bar-impact --mass heavy",
       "scene bar-impact --theta 0.4",  "scene bar-impact --theta 1.1",
@@ -156,17 +120,14 @@ START_TEST(bad_options) {
   for (int k = 0; dls_moving_name(k); k++)
     ck_assert_ptr_nonnull(strstr(output, dls_moving_description(k)));
 }
-END_TEST
 
 /* Too little friction for the shear: the upper block has no equilibrium, and the run says so. */
-START_TEST(slides_away) {
+TEST(slides_away) {
   ck_assert_int_eq(run("scene two-blocks --mu 0.1"), 1);
-  const double steps = printed("after ");
+  const double steps = number_after("after ");
   ck_assert(steps >= 20 && steps < 40);
 }
-END_TEST
 
 int main(void) {
-  return RUN("moving_cli", make_directory, remove_directory, ONCE(summary), ONCE(options),
-             ONCE(files), EACH(interrupted, 0, 4), ONCE(bad_options), ONCE(slides_away));
+  return run_tests("moving_cli", make_directory, remove_directory);
 }

@@ -4,13 +4,8 @@
  * text has no control characters. DELASSUS_NAMES: rounds of 8 names.
  */
 #define _GNU_SOURCE
-#include <check.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <spawn.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -93,10 +88,7 @@ static void make_name(char name[name_room], unsigned *state, int number) {
 
 /* Writes a problem of one block with this title into the test's directory. */
 static void make_titled(const char *name, const char *title) {
-  char path[name_room + 100];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "w");
-  ck_assert_ptr_nonnull(file);
+  FILE *file = open_file(name, "w");
   (void)fprintf(file, "title %s\ncontact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n", title);
   ck_assert_int_eq(fclose(file), 0);
 }
@@ -295,7 +287,7 @@ static void expect_all_written(char names[most_names][name_room]) {
   expect_files(plot, picture, csv);
 }
 
-START_TEST(names_that_mean_something) {
+TEST(names_that_mean_something) {
   char names[most_names][name_room] = {"./x'; system \"touch pwned\"; #.hdf5",
                                        "./`touch pwned`'\"\\\n!touch pwned\n.txt",
                                        "./it's.hdf5",
@@ -306,9 +298,13 @@ START_TEST(names_that_mean_something) {
                                        "./#END\n"};
   expect_all_drawn(names);
 }
-END_TEST
 
-START_TEST(names_of_any_bytes) {
+static int rounds(void) {
+  const char *given = getenv("DELASSUS_NAMES");
+  return given ? atoi(given) : 2;
+}
+
+TEST_EACH(names_of_any_bytes, 0, rounds()) {
   unsigned state = 77u + (unsigned)_i;
   char names[most_names][name_room];
   for (int k = 0; k < most_names; k++)
@@ -316,10 +312,9 @@ START_TEST(names_of_any_bytes) {
   expect_all_drawn(names);
   expect_all_written(names);
 }
-END_TEST
 
 /* An honest name stands in the picture as it is. */
-START_TEST(an_apostrophe_is_drawn) {
+TEST(an_apostrophe_is_drawn) {
   make_problem("it's 5% <&> {a_b}.txt");
   const char *const solve[] = {"solve", "-q", "it's 5% <&> {a_b}.txt", "--plot=o", NULL};
   expect_files(solve, "o/history.svg", "o/history.csv");
@@ -327,10 +322,9 @@ START_TEST(an_apostrophe_is_drawn) {
   ck_assert(read_there("o/history.svg"));
   ck_assert_ptr_nonnull(strstr(text, ">it's 5% &lt;&amp;> {a_b}.txt<"));
 }
-END_TEST
 
 /* A spreadsheet takes no name for a formula; a page shows no mark that turns a line. */
-START_TEST(names_that_compute_or_turn) {
+TEST(names_that_compute_or_turn) {
   static const char *const signs[] = {"=", "+", "@"};
   make_problem("plain.txt");
   for (size_t k = 0; k < sizeof signs / sizeof *signs; k++) {
@@ -356,10 +350,9 @@ START_TEST(names_that_compute_or_turn) {
                  directory, directory);
   ck_assert_int_eq(system(command), 0);
 }
-END_TEST
 
 /* Errors show the controls of what they are about; the words stand on one line. */
-START_TEST(errors_escape_controls) {
+TEST(errors_escape_controls) {
   static const char strange[] = "no\033[31m\n\xff\xe2\x80\xae";
   static const char *const lines[][6] = {{"solve", strange},
                                          {"info", strange},
@@ -382,12 +375,7 @@ START_TEST(errors_escape_controls) {
     ck_assert_msg(strchr(text, '\n') == text + strlen(text) - 1, "%s", text);
   }
 }
-END_TEST
 
 int main(void) {
-  const char *given = getenv("DELASSUS_NAMES");
-  const int rounds = given ? atoi(given) : 2;
-  return RUN("names", make_directory, remove_directory, ONCE(names_that_mean_something),
-             EACH(names_of_any_bytes, 0, rounds), ONCE(an_apostrophe_is_drawn),
-             ONCE(names_that_compute_or_turn), ONCE(errors_escape_controls));
+  return run_tests("names", make_directory, remove_directory);
 }

@@ -1,10 +1,5 @@
 /* test_report.c: delassus report: the page, its advice, its text, and mistakes. */
 #define _GNU_SOURCE
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "program.h"
 #include "run.h"
@@ -70,7 +65,7 @@ static double force_at(int nx, int ny, const char *tol) {
 
 /* The advised setting is within the accuracy of one four times finer, and one that is half as fine
  * is not. */
-START_TEST(advice_holds) {
+TEST(advice_holds) {
   NEEDS_MUMPS;
   int nx, ny;
   char tol[16];
@@ -83,7 +78,6 @@ START_TEST(advice_holds) {
   ck_assert_double_le(fabs(force_at(nx, ny, tol) / fine - 1), 0.01);
   ck_assert_double_gt(fabs(force_at(nx / 2, ny / 2, tol) / fine - 1), 0.01);
 }
-END_TEST
 
 enum { PIECES = 50 };
 
@@ -114,7 +108,7 @@ static void pressures(const char *setting, double p[PIECES]) {
 
 /* The pressure of the advised mesh is within what the report says of one twice finer; that of
  * 45 x 23, which the force asks for, is 12 % off. */
-START_TEST(pressure_holds) {
+TEST(pressure_holds) {
   NEEDS_MUMPS;
   static double taken[PIECES], fine[PIECES];
   char setting[100];
@@ -135,7 +129,6 @@ START_TEST(pressure_holds) {
   }
   ck_assert_double_le(sqrt(sum / norm), 0.05);
 }
-END_TEST
 
 static const struct {
   const char *arguments, *page;
@@ -192,7 +185,7 @@ static const struct {
 enum { report_count = sizeof reports / sizeof reports[0] };
 
 /* The text on stdout has each part, and the page all of its words. */
-START_TEST(page_and_text) {
+TEST_EACH(page_and_text, 0, report_count) {
   if (!WITH_MUMPS && strstr(reports[_i].arguments, "jean")) return; /* its finer meshes */
   ck_assert_int_eq(run(reports[_i].arguments), reports[_i].status);
   for (int k = 0; k < 8 && reports[_i].says[k]; k++)
@@ -200,10 +193,9 @@ START_TEST(page_and_text) {
                   output);
   expect_page(reports[_i].page);
 }
-END_TEST
 
 /* The matrices of a host code; two names that make one file name. */
-START_TEST(matrices_and_many_names) {
+TEST(matrices_and_many_names) {
   char path[100];
   (void)snprintf(path, sizeof path, "%s/W.txt", directory);
   FILE *file = fopen(path, "w");
@@ -225,10 +217,9 @@ START_TEST(matrices_and_many_names) {
   expect_page("n/c01-three-solutions.html");
   expect_page("n/c01-three-solutions-2.html");
 }
-END_TEST
 
 /* Without gnuplot the page has tables only, and a line says what to install. */
-START_TEST(without_gnuplot) {
+TEST(without_gnuplot) {
   NEEDS_MUMPS;
   char path[4096];
   const char *before = getenv("PATH");
@@ -243,10 +234,9 @@ START_TEST(without_gnuplot) {
   ck_assert_ptr_nonnull(strstr(page, "install gnuplot"));
   ck_assert_ptr_nonnull(strstr(page, "mu</th><th>method</th>"));
 }
-END_TEST
 
 /* A part that cannot write its files is left out, with the reason; the page is whole. */
-START_TEST(a_part_that_fails_leaves_the_page) {
+TEST(a_part_that_fails_leaves_the_page) {
   char command[400];
   (void)snprintf(command, sizeof command,
                  "mkdir -p %s/bar-fixed/scene && echo other >%s/bar-fixed/scene/made-by.txt",
@@ -256,10 +246,9 @@ START_TEST(a_part_that_fails_leaves_the_page) {
   expect_page("bar-fixed.html");
   ck_assert_ptr_nonnull(strstr(contents("bar-fixed.html"), "holds the files of"));
 }
-END_TEST
 
 /* Of the files of steps 20 MB stay, and all with --data; nothing else is removed. */
-START_TEST(data_of_twenty_megabytes) {
+TEST(data_of_twenty_megabytes) {
   static const char *const options[] = {"", "--data"};
   for (int k = 0; k < 2; k++) {
     char command[600];
@@ -280,10 +269,9 @@ START_TEST(data_of_twenty_megabytes) {
     ck_assert_int_eq(strstr(contents("bar-fixed.html"), "Left out: 21 MB") != NULL, !k);
   }
 }
-END_TEST
 
 /* After five seconds stderr has a line with part, share and time. */
-START_TEST(progress_is_shown) {
+TEST(progress_is_shown) {
   ck_assert_int_eq(run("report bar-bounce --quick --accuracy=1e-5 --cpu=8 -o @/s"), 0);
   const char *line = strstr(output, "bar-bounce: ");
   int share, left;
@@ -294,7 +282,6 @@ START_TEST(progress_is_shown) {
   ck_assert_int_le(share, 100);
   ck_assert_int_le(left, 8);
 }
-END_TEST
 
 static const struct {
   const char *typed, *answer;
@@ -309,16 +296,11 @@ static const struct {
                 {"report --W=@/no.txt --q=@/no.txt --mu=1 -o @/r", "no.txt"}};
 enum { mistake_count = sizeof mistakes / sizeof mistakes[0] };
 
-START_TEST(mistakes_are_named) {
+TEST_EACH(mistakes_are_named, 0, mistake_count) {
   ck_assert_int_eq(run(mistakes[_i].typed), 2);
   ck_assert_msg(strstr(output, mistakes[_i].answer) != NULL, "%s", output);
 }
-END_TEST
 
 int main(void) {
-  return RUN("report", make_directory, remove_directory, ONCE(advice_holds), ONCE(pressure_holds),
-             EACH(page_and_text, 0, report_count), ONCE(matrices_and_many_names),
-             ONCE(without_gnuplot), ONCE(a_part_that_fails_leaves_the_page),
-             ONCE(data_of_twenty_megabytes), ONCE(progress_is_shown),
-             EACH(mistakes_are_named, 0, mistake_count));
+  return run_tests("report", make_directory, remove_directory);
 }

@@ -3,27 +3,14 @@
  * order; cases that are there are skipped; parts join to the whole; wrong tables.
  */
 #define _GNU_SOURCE
-#include <check.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "program.h"
 #include "run.h"
 
-static void write_file(const char *name, const char *text) {
-  char path[200];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "w");
-  ck_assert_ptr_nonnull(file);
-  ck_assert_int_ge(fputs(text, file), 0);
-  ck_assert_int_eq(fclose(file), 0);
-}
-
-static int lines_of(const char *text) {
+static int line_feeds(const char *text) {
   int count = 0;
   for (; *text; text++)
     count += *text == '\n';
@@ -51,14 +38,14 @@ static double number_on_line(const char *key, const char *text) {
 }
 
 /* A point by hand: r_n = -f_n, r_t = -min(mu r_n, f_t), x_t = (f_t + r_t) / 2. */
-START_TEST(lines_hold_answers) {
+TEST(lines_hold_answers) {
   write_springs();
   char table[800];
   (void)snprintf(table, sizeof table, "mu,f\n0.1,%s/f.txt\n0.2,%s/g.txt\n.05,%s/f.txt\n", directory,
                  directory, directory);
   write_file("t.csv", table);
   ck_assert_int_eq(run(POINT "--table=@/t.csv --print"), 0);
-  ck_assert_int_eq(lines_of(output), 3);
+  ck_assert_int_eq(line_feeds(output), 3);
   static const struct {
     const char *key;
     double r, x;
@@ -69,18 +56,17 @@ START_TEST(lines_hold_answers) {
     ck_assert_double_eq_tol(strtod(strchr(x, ',') + 1, NULL), k == 1 ? 0 : wanted[k].x, 1e-7);
   }
 }
-END_TEST
 
 /* A study ends in the middle of a line, as kill -9 may leave it: the next run solves what is
  * missing, and no more; parts of it, in any order, join to the whole. */
-START_TEST(a_study_goes_on) {
+TEST(a_study_goes_on) {
   write_springs();
   write_file("t.csv", "mu\n0.1\n0.2\n0.3\n0.4\n0.5\n");
   static const char call[] = POINT "--f=@/f.txt -T @/t.csv -o @/all.jsonl";
   ck_assert_int_eq(run(call), 0);
   ck_assert_ptr_nonnull(strstr(output, "5 cases: 5 solved, 0 not, 0 were there\nsolved\n"));
   char *whole = strdup(contents("all.jsonl")), *torn = strdup(whole);
-  ck_assert_int_eq(lines_of(whole), 5);
+  ck_assert_int_eq(line_feeds(whole), 5);
   char *cut = torn;
   for (int k = 0; k < 2; k++)
     cut = strchr(cut, '\n') + 1;
@@ -88,30 +74,29 @@ START_TEST(a_study_goes_on) {
   write_file("all.jsonl", torn);
   ck_assert_int_eq(run(call), 0);
   ck_assert_ptr_nonnull(strstr(output, "5 cases: 3 solved, 0 not, 2 were there\n"));
-  ck_assert_int_eq(lines_of(contents("all.jsonl")), 5);
+  ck_assert_int_eq(line_feeds(contents("all.jsonl")), 5);
   ck_assert_int_eq(strncmp(contents("all.jsonl"), whole, (size_t)(cut - torn)), 0);
   ck_assert_int_eq(run(call), 0);
   ck_assert_ptr_nonnull(strstr(output, "5 cases: 0 solved, 0 not, 5 were there\n"));
   /* another tolerance is another case */
   ck_assert_int_eq(run(POINT "--f=@/f.txt -T @/t.csv -o @/all.jsonl --tol 1e-6"), 0);
-  ck_assert_int_eq(lines_of(contents("all.jsonl")), 10);
+  ck_assert_int_eq(line_feeds(contents("all.jsonl")), 10);
   int count = 0;
   for (int k = 3; k > 0; k--) {
     char arguments[200];
     (void)snprintf(arguments, sizeof arguments, POINT "--f=@/f.txt -T @/t.csv -o @/p --part=%d/3",
                    k);
     ck_assert_int_eq(run(arguments), 0);
-    ck_assert_int_gt(lines_of(contents("p")), count);
-    count = lines_of(contents("p"));
+    ck_assert_int_gt(line_feeds(contents("p")), count);
+    count = line_feeds(contents("p"));
   }
   ck_assert_int_eq(count, 5);
   free(whole);
   free(torn);
 }
-END_TEST
 
 /* SIGINT in a long study: the lines that are there are whole, and the next run adds the rest. */
-START_TEST(an_interrupted_study_keeps_its_lines) {
+TEST(an_interrupted_study_keeps_its_lines) {
   enum { cases = 30000 };
   char *table = malloc(16 * cases), *at = table, path[100], matrix[100];
   write_springs();
@@ -149,25 +134,23 @@ START_TEST(an_interrupted_study_keeps_its_lines) {
   ck_assert_int_eq(fclose(file), 0);
   ck_assert(count > 0 && count < cases);
 }
-END_TEST
 
 /* Files beside each other, with the friction of a table; one that is none is named, and the others
  * are solved. */
-START_TEST(files_are_cases) {
+TEST(files_are_cases) {
   NEEDS_HDF5;
   write_file("t.csv", "mu\n\n0.3\n");
   ck_assert_int_eq(run("study data/fclib/FC3D_Example1.hdf5 jean-fig4 @/t.csv -o @/o"), 2);
   ck_assert_ptr_nonnull(strstr(output, "t.csv"));
-  ck_assert_int_eq(lines_of(contents("o")), 2);
+  ck_assert_int_eq(line_feeds(contents("o")), 2);
   write_file("t.csv", "mu\n1e-3\n0.3\n");
   ck_assert_int_le(run("study data/fclib/*.hdf5 -T @/t.csv"), 1);
-  ck_assert_int_eq(lines_of(output), 14);
+  ck_assert_int_eq(line_feeds(output), 14);
   /* a proof that there is no solution is an answer, too */
   ck_assert_int_eq(run("study data/failures/c04-squeezed.txt -q -o @/n"), 1);
   ck_assert_str_eq(output, "not solved: 1 of 1 cases\n");
   ck_assert_ptr_nonnull(strstr(contents("n"), "\"status\": \"no_solution\""));
 }
-END_TEST
 
 static const struct {
   const char *table, *arguments, *answer;
@@ -184,17 +167,14 @@ static const struct {
              {"mu\n1\n", "jean-fig4 --part 0/2", "--part: '0/2'"},
              {"mu\n1\n", "jean-fig4 -o @/no/such", "no/such"}};
 
-START_TEST(wrong_tables) {
+TEST_EACH(wrong_tables, 0, (int)(sizeof wrong / sizeof wrong[0])) {
   char arguments[200];
   write_file("t.csv", wrong[_i].table);
   (void)snprintf(arguments, sizeof arguments, "study -T @/t.csv %s", wrong[_i].arguments);
   ck_assert_int_eq(run(arguments), 2);
   ck_assert_msg(strstr(output, wrong[_i].answer) != NULL, "%s: %s", arguments, output);
 }
-END_TEST
 
 int main(void) {
-  return RUN("study", make_directory, remove_directory, ONCE(lines_hold_answers),
-             ONCE(a_study_goes_on), ONCE(an_interrupted_study_keeps_its_lines),
-             ONCE(files_are_cases), EACH(wrong_tables, 0, (int)(sizeof wrong / sizeof wrong[0])));
+  return run_tests("study", make_directory, remove_directory);
 }

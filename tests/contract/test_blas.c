@@ -5,17 +5,12 @@
  */
 #define _POSIX_C_SOURCE 200809L /* CLOCK_PROCESS_CPUTIME_ID */
 
-#include <check.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "cases.h"
-#include "delassus/pivoting.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "doors.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -104,11 +99,9 @@ static void expect_same_bits(const blas_task *task, int asleep) {
 static size_t do_method(const blas_task *self, double *out) {
   const size_t n = (size_t)(self->d * self->nc);
   dense_problem a;
-  dls_solver_settings settings;
   dls_info info;
   ck_assert(dense_problem_make(&a, self->d, self->nc));
-  dls_solver_settings_init(&settings);
-  settings.method = (dls_method)self->method;
+  dls_solver_settings settings = settings_with((dls_method)self->method, default_tol);
   if (n > 300) settings.limits.max_iterations = 200;
   const dls_status status = dls_solve(&a.p, &settings, a.r, a.u, &info, NULL);
   ck_assert_int_ge(status, 0);
@@ -202,7 +195,7 @@ static size_t do_reduction(const blas_task *self, double *out) {
   return reduce((dls_operator)self->d, (dls_factorization)self->nc, out);
 }
 
-START_TEST(methods) {
+TEST_EACH(methods, 0, method_count()) {
   static const int sizes[][2] = {{3, 30}, {2, 90}, {3, 110}};
   const int method = _i % method_count();
   for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
@@ -212,22 +205,19 @@ START_TEST(methods) {
                      1);
   }
 }
-END_TEST
 
-START_TEST(pivoting) {
+TEST(pivoting) {
   expect_same_bits(&(blas_task){"pivoting", do_pivoting, 0, 1, 90}, 1);
   expect_same_bits(&(blas_task){"pivoting", do_pivoting, 0, 1, 310}, 1);
 }
-END_TEST
 
-START_TEST(reductions) {
+TEST_EACH(reductions, 0, 6) {
   static const int kinds[][2] = {
       {DLS_STIFFNESS_DENSE, DLS_CHOLESKY}, {DLS_STIFFNESS_DENSE, DLS_LU},
       {DLS_FLEXIBILITY, DLS_CHOLESKY},     {DLS_STIFFNESS_SPARSE, DLS_CHOLESKY},
       {DLS_STIFFNESS_SPARSE, DLS_LDLT},    {DLS_STIFFNESS_SPARSE, DLS_LU}};
   expect_same_bits(&(blas_task){"reduction", do_reduction, 0, kinds[_i][0], kinds[_i][1]}, 1);
 }
-END_TEST
 
 /* ---- CPU time -------------------------------------------------------------------------------- */
 
@@ -242,9 +232,7 @@ static int print_blas(int nc) {
   const int m = 3 * nc;
   for (int method = 0; method < method_count(); method++) {
     if (method == DLS_LEMKE || (method == DLS_HOMOTOPY && m > 150)) continue; /* slow */
-    dls_solver_settings settings;
-    dls_solver_settings_init(&settings);
-    settings.method = (dls_method)method;
+    dls_solver_settings settings = settings_with((dls_method)method, default_tol);
     double least = 1e9;
     dls_status status = DLS_OK;
     for (int k = 0; k < turns; k++) {
@@ -271,6 +259,5 @@ static int print_blas(int nc) {
 /* test_blas [CANDIDATES] */
 int main(int argc, char **argv) {
   if (argc == 2) return print_blas(atoi(argv[1]));
-  return RUN("blas", NULL, NULL, EACH(methods, 0, method_count()), ONCE(pivoting),
-             EACH(reductions, 0, 6));
+  return run_tests("blas", NULL, NULL);
 }

@@ -4,15 +4,7 @@
  * that would change the object returns DLS_E_BUSY, the first call ends as if nothing had happened,
  * and the object is free again. The methods of the table: test_contract.c.
  */
-#include <check.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "delassus/lcp.h"
-#include "delassus/motion.h"
-#include "delassus/pivoting.h"
-#include "delassus/primal.h"
-#include "delassus/reduction.h"
+#include "delassus.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -64,7 +56,7 @@ static dls_status lemke_again(void *object, dls_error *error) {
   return status;
 }
 
-START_TEST(lemke) {
+TEST(lemke) {
   static own_call *const calls[] = {lemke_again, NULL};
   own_calls own = {NULL, "workspace", calls, 0};
   const dls_lcp lcp = murty_lcp();
@@ -84,7 +76,6 @@ START_TEST(lemke) {
   ck_assert(z[0][0] == 1 && z[0][most - 1] == 0);
   dls_lemke_destroy(work);
 }
-END_TEST
 
 static dls_status principal_again(void *object, dls_error *error) {
   const dls_lcp lcp = murty_lcp();
@@ -94,7 +85,7 @@ static dls_status principal_again(void *object, dls_error *error) {
   return status;
 }
 
-START_TEST(principal) {
+TEST(principal) {
   static own_call *const calls[] = {principal_again, NULL};
   own_calls own = {NULL, "workspace", calls, 0};
   const dls_lcp lcp = murty_lcp();
@@ -113,7 +104,6 @@ START_TEST(principal) {
   ck_assert_mem_eq(z[0], z[1], sizeof z[0]);
   dls_principal_destroy(work);
 }
-END_TEST
 
 /* ---- a point on springs above an obstacle -------------------------------------------------- */
 
@@ -142,7 +132,7 @@ static dls_status primal_again(void *object, dls_error *error) {
   return status;
 }
 
-START_TEST(primal) {
+TEST(primal) {
   static own_call *const calls[] = {primal_again, NULL};
   own_calls own = {NULL, "workspace", calls, 0};
   dls_model model = point_model();
@@ -163,7 +153,6 @@ START_TEST(primal) {
   ck_assert_double_eq_tol(r[0][0], 4, 1e-8);
   dls_primal_destroy(work);
 }
-END_TEST
 
 /* ---- a reduction whose host solves ---------------------------------------------------------- */
 
@@ -191,7 +180,7 @@ static dls_status update_again(void *object, dls_error *error) {
   return dls_reduction_update(object, &model, error);
 }
 
-START_TEST(reduction) {
+TEST(reduction) {
   static own_call *const calls[] = {load_again, load_free_again, recover_again, update_again, NULL};
   own_calls own = {NULL, "reduction", calls, 0};
   dls_model model = point_model();
@@ -216,7 +205,6 @@ START_TEST(reduction) {
   ck_assert_int_eq(dls_reduction_load(work, point_f, NULL, NULL), DLS_OK);
   dls_reduction_destroy(work);
 }
-END_TEST
 
 /* ---- a motion -------------------------------------------------------------------------------- */
 
@@ -242,7 +230,7 @@ static dls_status state_again(void *object, dls_error *error) {
   return step_again(object, error);
 }
 
-START_TEST(motion) {
+TEST(motion) {
   static own_call *const calls[] = {step_again,       start_again, set_h_again,
                                     set_limits_again, state_again, NULL};
   own_calls own = {NULL, "motion", calls, 0};
@@ -278,10 +266,4 @@ START_TEST(motion) {
   ck_assert_int_ge(own.visits, 4);
   ck_assert(p[0][0] > 0);
   ck_assert_mem_eq(p[0], p[1], sizeof p[0]);
-}
-END_TEST
-
-int main(void) {
-  return RUN("busy", NULL, NULL, ONCE(lemke), ONCE(principal), ONCE(primal), ONCE(reduction),
-             ONCE(motion));
 }

@@ -5,15 +5,14 @@
  *
  * A loop test counts doors first: _i = door * cases + case.
  */
-#include <check.h>
-#include <float.h>
-#include <limits.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "doors.h"
+#include "made.h"
 #include "run.h"
+
+static int doors(void) {
+  return direct_doors + method_count();
+}
 
 /* settings of any door */
 typedef union any_settings {
@@ -49,7 +48,7 @@ static int is_beyond(dls_method method, const char *name) {
   return 0;
 }
 
-START_TEST(by_hand) {
+TEST_EACH(by_hand, 0, doors() * hand_count) {
   const tested_solver s = door(_i / hand_count);
   const hand_case *k = &hand[_i % hand_count];
   static model a;
@@ -70,10 +69,9 @@ START_TEST(by_hand) {
     ck_assert_msg(fabs(r[i] - k->r[i]) <= 1e-12 * fmax(1, norm_of(k->r, m)), "%s: r[%d] = %.17g",
                   k->name, i, r[i]);
 }
-END_TEST
 
 /* Of all reactions that hold a hyperstatic problem, only the sum is known. */
-START_TEST(hyperstatic) {
+TEST_EACH(hyperstatic, 0, doors()) {
   const tested_solver s = door(_i);
   static model a;
   set_hand(&a, &hyperstatic_case);
@@ -83,10 +81,9 @@ START_TEST(hyperstatic) {
   const double close = s.tol > 0 ? 1e-5 : 1e-12;
   ck_assert(fabs(r[0] + r[2] - 1) <= close && fabs(r[1] + r[3] + .25) <= close);
 }
-END_TEST
 
 /* C1 has three solutions: from each of them nothing is done. */
-START_TEST(a_solution_stays) {
+TEST_EACH(a_solution_stays, 0, doors()) {
   const tested_solver s = door(_i);
   static const double start[3][2] = {{0, 0}, {2, -3}, {1, -2}};
   static model a;
@@ -100,9 +97,8 @@ START_TEST(a_solution_stays) {
     ck_assert(info.iterations == 0 && info.sweeps == 0 && info.factorisations == 0);
   }
 }
-END_TEST
 
-START_TEST(no_solution) {
+TEST_EACH(no_solution, 0, doors() * jammed_count) {
   const tested_solver s = door(_i / jammed_count);
   const hand_case *k = &jammed[_i % jammed_count];
   static model a;
@@ -113,10 +109,9 @@ START_TEST(no_solution) {
   ck_assert_msg(status > 0, "%s, %s: %d", s.name, k->name, (int)status);
   ck_assert(info.certificate.residual > 0.1 && isfinite(info.certificate.residual));
 }
-END_TEST
 
 /* From any start, off the cone too, and after any number of iterations the answer is not worse. */
-START_TEST(never_worse) {
+TEST_EACH(never_worse, 0, doors() * 30) {
   const tested_solver s = door(_i / 30);
   const int i = _i % 30;
   static model a;
@@ -135,15 +130,13 @@ START_TEST(never_worse) {
   }
   any_settings settings = settings_for(&s, 1e-14, 1);
   s.limits(&settings)->max_iterations = 1 + i % 4;
-  dls_certificate before;
-  ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &before, NULL), DLS_OK);
+  const dls_certificate before = certificate_of(&a.p, r);
   dls_info info;
   (void)run_with(&s, &a.p, &settings, 1e-14, r, NULL, &info);
   ck_assert(info.certificate.residual <= before.residual);
 }
-END_TEST
 
-START_TEST(start_that_overflows) {
+TEST_EACH(start_that_overflows, 0, doors()) {
   const tested_solver s = door(_i);
   static model a;
   set_hand(&a, hand_named("stick"));
@@ -154,11 +147,10 @@ START_TEST(start_that_overflows) {
   const double close = s.tol > 0 ? 1e-5 : 1e-11;
   ck_assert(fabs(r[0] - 1) <= close && fabs(r[1] + .5) <= close);
 }
-END_TEST
 
 /* A start so large that W r hides q in its rounding is dropped: the answer is that from r = 0, to
  * the same bits where the method sweeps from its start; a start that is merely bad is not. */
-START_TEST(start_that_hides_q) {
+TEST_EACH(start_that_hides_q, 0, doors() * 10) {
   const tested_solver s = door(_i / 10);
   static model a;
   numbered_model(&a, _i % 10);
@@ -179,18 +171,16 @@ START_TEST(start_that_hides_q) {
   for (int k = 0; k < m; k++)
     ck_assert(fabs(r[k] - cold[k]) <= 1e-4 * size || s.tol > 0);
 }
-END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-START_TEST(random_problem) {
+TEST_EACH(random_problem, 0, doors() * 40) {
   const tested_solver s = door(_i / 40);
   expect_solved(&s, _i % 40);
   expect_answer_of(&s, _i % 40, s.method == DLS_NLGS ? DLS_NEWTON : DLS_NLGS);
 }
-END_TEST
 
-START_TEST(units) {
+TEST_EACH(units, 0, doors() * 12) {
   const tested_solver s = door(_i / 12);
   static model a;
   numbered_model(&a, _i % 12);
@@ -201,30 +191,26 @@ START_TEST(units) {
     expect_any_units(&s, &a, &settings, s.tol > 0 ? s.tol : tol, two);
   }
 }
-END_TEST
 
-START_TEST(turned_tangents) {
+TEST_EACH(turned_tangents, 0, doors() * 10) {
   const tested_solver s = door(_i / 10);
   expect_any_tangents(&s, _i % 10);
 }
-END_TEST
 
-START_TEST(tolerance_zero) {
+TEST_EACH(tolerance_zero, 0, doors() * 20) {
   const tested_solver s = door(_i / 20);
   if (s.tol > 0 || s.method == DLS_ADMM)
     return; /* near the floor ADMM is left by luck: test_admm */
   expect_floor(&s, _i % 20);
 }
-END_TEST
 
-START_TEST(smaller_problem) {
+TEST_EACH(smaller_problem, 0, doors()) {
   const tested_solver s = door(_i);
   static model a, b;
   numbered_model(&a, 39);
   numbered_model(&b, 11);
   expect_reuse(&s, &a, &b);
 }
-END_TEST
 
 /* ---- rigid bodies, W = H^T H ----------------------------------------------------------------- */
 
@@ -232,7 +218,7 @@ END_TEST
 static const double close_of_bodies = 1e-7;
 
 /* The answer is that of W dense; again in the same workspace, without memory, and warm. */
-START_TEST(bodies) {
+TEST_EACH(bodies, 0, doors() * 30) {
   const tested_solver s = door(_i / 30);
   static model a;
   static bodies_storage B;
@@ -265,10 +251,9 @@ START_TEST(bodies) {
   ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
   ck_assert(info.iterations == 0 && info.sweeps == 0 && info.factorisations == 0);
 }
-END_TEST
 
 /* Each malloc of a solve may fail; then one limit of iterations, one call that cancels. */
-START_TEST(bodies_unwind_and_stop) {
+TEST_EACH(bodies_unwind_and_stop, 0, doors()) {
   const tested_solver s = door(_i);
   static model a;
   static bodies_storage B;
@@ -289,9 +274,8 @@ START_TEST(bodies_unwind_and_stop) {
   ck_assert(status == DLS_CANCELLED || status == DLS_OK);
   ck_assert(w.calls == 1 && isfinite(info.certificate.residual));
 }
-END_TEST
 
-START_TEST(bad_bodies) {
+TEST_EACH(bad_bodies, 0, doors()) {
   const tested_solver s = door(_i);
   static model a;
   static bodies_storage B;
@@ -333,7 +317,6 @@ START_TEST(bad_bodies) {
   }
   s.destroy(work);
 }
-END_TEST
 
 /* ---- normals alone, d = 1 -------------------------------------------------------------------- */
 
@@ -353,7 +336,7 @@ static const struct {
                    {2, {1, -1, -1, 1}, {-1, -1}, {-1, -1}}};
 enum { normal_count = sizeof normal_case / sizeof normal_case[0] };
 
-START_TEST(normals_by_hand) {
+TEST_EACH(normals_by_hand, 0, doors() * normal_count) {
   const tested_solver s = door(_i / normal_count);
   const int k = _i % normal_count, nc = normal_case[k].nc;
   static model a;
@@ -373,9 +356,8 @@ START_TEST(normals_by_hand) {
   if (!solvable && (s.method == DLS_AUTO || s.method == DLS_LEMKE))
     ck_assert_msg(status == DLS_NO_SOLUTION, "%s, %d: %d", s.name, k, (int)status);
 }
-END_TEST
 
-START_TEST(normals) {
+TEST_EACH(normals, 0, doors() * 20) {
   const tested_solver s = door(_i / 20);
   const int i = normal_models + _i % 20;
   static model a;
@@ -389,10 +371,9 @@ START_TEST(normals) {
     expect_any_units(&s, &a, &settings, s.tol > 0 ? s.tol : tol, two);
   }
 }
-END_TEST
 
 /* The normal reactions of a problem without friction are those of d = 1. */
-START_TEST(normals_of_a_space) {
+TEST_EACH(normals_of_a_space, 0, doors() * 20) {
   const tested_solver s = door(_i / 20);
   static model a, b;
   set_seed(88172645463325252u + (uint64_t)_i);
@@ -412,9 +393,8 @@ START_TEST(normals_of_a_space) {
   for (int c = 0; c < nc; c++)
     ck_assert(fabs(n[c] - r[d * c]) <= close_of(&a) * (tol / 1e-12));
 }
-END_TEST
 
-START_TEST(normals_have_no_friction) {
+TEST_EACH(normals_have_no_friction, 0, doors()) {
   const tested_solver s = door(_i);
   static model a;
   numbered_model(&a, normal_models + 4);
@@ -432,13 +412,12 @@ START_TEST(normals_have_no_friction) {
   ck_assert_int_ge(s.solve(work, &a.p, r, NULL, NULL, &error), 0);
   s.destroy(work);
 }
-END_TEST
 
 /* ---- stopping -------------------------------------------------------------------------------- */
 
 /* Cancelled at the first or second call, or after two iterations: the status says so unless all is
  * solved by then, and the answer is the best of what was reported. */
-START_TEST(stopped_early) {
+TEST_EACH(stopped_early, 0, doors() * 3) {
   const tested_solver s = door(_i / 3);
   const int cancel_at = _i % 3;
   static model a;
@@ -462,7 +441,6 @@ START_TEST(stopped_early) {
   ck_assert(isfinite(info.certificate.residual));
   ck_assert(info.certificate.residual <= w.least * (1 + 1e-12) + 1e-12);
 }
-END_TEST
 
 /* The calls of one solve; least: the best residual of all but the last; r: of the last. */
 typedef struct history {
@@ -491,8 +469,7 @@ static int take_history(void *data, const dls_progress *p) {
     memcpy(h->r, p->r, (size_t)(h->problem->d * h->problem->nc) * sizeof *h->r);
   }
   if (!p->r || p->residual < 0) return 0;
-  dls_certificate c;
-  ck_assert_int_eq(dls_contact_certify(h->problem, p->r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(h->problem, p->r);
   /* the certificate of this r: the last time exactly, else as the iteration estimates it */
   if (p->last)
     ck_assert(p->residual == c.residual);
@@ -504,7 +481,7 @@ static int take_history(void *data, const dls_progress *p) {
 }
 
 /* Tells of every method the same measure, and once of the end, solved or not. */
-START_TEST(one_last_call) {
+TEST_EACH(one_last_call, 0, doors() * 12) {
   const tested_solver s = door(_i / 12);
   const int i = _i % 12;
   static model a;
@@ -529,12 +506,11 @@ START_TEST(one_last_call) {
   if (status && i != 10) /* where reactions run away, less rounding is better than less residual */
     ck_assert(h.residual <= h.least * (1 + 1e-9) + 1e-13);
 }
-END_TEST
 
 /* A limit that is over at once, on problems that some methods solve before they look at the clock:
  * the status says so, and the best answer is kept; with time enough nothing changes, to the
  * bit. */
-START_TEST(time_limit) {
+TEST_EACH(time_limit, 0, doors() * 6) {
   const tested_solver s = door(_i / 6);
   const int i = _i % 6;
   static model a;
@@ -557,9 +533,8 @@ START_TEST(time_limit) {
   if (status[2] != DLS_OK && status[0] == DLS_TIME_LIMIT && s.method != DLS_PENALTY)
     ck_assert_int_le(info[0].iterations, info[2].iterations);
 }
-END_TEST
 
-START_TEST(bad_time_limit) {
+TEST_EACH(bad_time_limit, 0, doors()) {
   const tested_solver s = door(_i);
   for (int k = 0; k < 3; k++) {
     any_settings settings = settings_for(&s, 1e-8, 0);
@@ -567,7 +542,6 @@ START_TEST(bad_time_limit) {
     refuses_to_create(&s, DLS_E_ARGUMENT, "cpu_seconds", -1, 2, 1, &settings);
   }
 }
-END_TEST
 
 /* ---- one call at a time ---------------------------------------------------------------------- */
 
@@ -594,17 +568,15 @@ static int solve_again(void *data, const dls_progress *p) {
   ck_assert(r[0] == 7 && u[0] == 7 && info.iterations == 7);
   if (strcmp(own->s->workspace, "solver")) return 0;
   const dls_limits limits = {.tol = 1e-3};
-  ck_assert_int_eq(dls_solver_set_limits(own->work, &limits, &error), DLS_E_BUSY);
-  ck_assert_str_eq(error.argument, "solver");
-  ck_assert_int_eq(dls_solver_map(own->work, 0, NULL, NULL, &error), DLS_E_BUSY);
-  ck_assert_str_eq(error.argument, "solver");
+  REFUSES(BUSY, "solver", -1, dls_solver_set_limits, own->work, &limits);
+  REFUSES(BUSY, "solver", -1, dls_solver_map, own->work, 0, NULL, NULL);
   return 0;
 }
 
 /* A workspace used again from inside of its own callback refuses, and the solve that is at work
  * gives the bits that it gives undisturbed; then the workspace is free again, also after bad input
  * and after a problem without candidates. */
-START_TEST(busy) {
+TEST_EACH(busy, 0, doors() * 8) {
   const tested_solver s = door(_i / 8);
   const int i = _i % 8;
   static model a;
@@ -648,7 +620,6 @@ START_TEST(busy) {
   }
   s.destroy(own.work);
 }
-END_TEST
 
 /* Counts the calls, each the last one of a solve whose residual is 0, and tries to cancel. */
 static int count_lasts(void *data, const dls_progress *p) {
@@ -659,7 +630,7 @@ static int count_lasts(void *data, const dls_progress *p) {
 
 /* Without candidates every problem is solved, in a workspace for none or for more, from a start or
  * from nothing; the callback is called once, and there is nothing left for it to cancel. */
-START_TEST(no_candidates) {
+TEST_EACH(no_candidates, 0, doors() * 12) {
   const tested_solver s = door(_i / 12);
   const int d = 1 + _i % 3, room = _i / 3 % 2 ? 3 : 0, warm = _i / 6 % 2;
   any_settings settings = settings_for(&s, 1e-8, warm);
@@ -680,7 +651,6 @@ START_TEST(no_candidates) {
   ck_assert(dls_certificate_holds(&info.certificate, 0));
   s.destroy(work);
 }
-END_TEST
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
@@ -703,7 +673,7 @@ static double matrices(dls_method method, int d, int nc, int *pivots) {
 /* The order of memory: besides matrices O(m), 200 m doubles (for d = 1 500 a candidate) or 700 n
  * for a table's pending pivots. A second matrix would be seen. A method that is not known here may
  * have one matrix or none. Each malloc may fail. */
-START_TEST(memory) {
+TEST_EACH(memory, 0, doors()) {
   const tested_solver s = door(_i);
   for (int d = 1; d <= 3; d++)
     for (int k = 60; k <= 180; k += 60) {
@@ -720,45 +690,23 @@ START_TEST(memory) {
                     sizeof(double) * (doubles - least + vectors) + 20480);
     }
 }
-END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
-START_TEST(bad_create) {
+TEST_EACH(bad_create, 0, doors()) {
   const tested_solver s = door(_i);
   expect_bad_create(&s);
 }
-END_TEST
 
-START_TEST(bad_solve) {
+TEST_EACH(bad_solve, 0, doors()) {
   const tested_solver s = door(_i);
   expect_bad_solve(&s);
 }
-END_TEST
 
-START_TEST(defaults_without_a_place) {
+TEST(defaults_without_a_place) {
   dls_nlgs_settings_init(NULL);
   dls_newton_settings_init(NULL);
   dls_admm_settings_init(NULL);
   dls_augmented_settings_init(NULL);
   dls_solver_settings_init(NULL);
-}
-END_TEST
-
-int main(void) {
-  const int doors = direct_doors + method_count();
-  return RUN("contract", NULL, NULL, EACH(by_hand, 0, doors * hand_count),
-             EACH(hyperstatic, 0, doors), EACH(a_solution_stays, 0, doors),
-             EACH(no_solution, 0, doors * jammed_count), EACH(never_worse, 0, doors * 30),
-             EACH(start_that_overflows, 0, doors), EACH(start_that_hides_q, 0, doors * 10),
-             EACH(random_problem, 0, doors * 40), EACH(units, 0, doors * 12),
-             EACH(turned_tangents, 0, doors * 10), EACH(tolerance_zero, 0, doors * 20),
-             EACH(bodies, 0, doors * 30), EACH(bodies_unwind_and_stop, 0, doors),
-             EACH(bad_bodies, 0, doors), EACH(normals_by_hand, 0, doors * normal_count),
-             EACH(normals, 0, doors * 20), EACH(normals_of_a_space, 0, doors * 20),
-             EACH(normals_have_no_friction, 0, doors), EACH(smaller_problem, 0, doors),
-             EACH(stopped_early, 0, doors * 3), EACH(one_last_call, 0, doors * 12),
-             EACH(time_limit, 0, doors * 6), EACH(bad_time_limit, 0, doors),
-             EACH(busy, 0, doors * 8), EACH(no_candidates, 0, doors * 12), EACH(memory, 0, doors),
-             EACH(bad_create, 0, doors), EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
 }

@@ -5,13 +5,10 @@
  */
 #define _POSIX_C_SOURCE 200809L /* pthread_barrier */
 
-#include <check.h>
 #include <pthread.h>
-#include <string.h>
 
 #include "cases.h"
-#include "delassus/motion.h"
-#include "delassus/pivoting.h"
+#include "delassus.h"
 #include "doors.h"
 #include "run.h"
 
@@ -130,7 +127,7 @@ static void *do_all(void *data) {
   return NULL;
 }
 
-START_TEST(every_method_beside_itself) {
+TEST(every_method_beside_itself) {
   const int count = task_count();
   static answer expected[most_tasks];
   ck_assert_int_le(count, most_tasks);
@@ -155,9 +152,4 @@ START_TEST(every_method_beside_itself) {
   pthread_barrier_destroy(&together);
   for (int t = 0; t < threads; t++)
     ck_assert_int_eq(sides[t].wrong, 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("side by side", NULL, NULL, ONCE(every_method_beside_itself));
 }

@@ -4,21 +4,15 @@
  * and flags stay as the host has set them; its callbacks find them so.
  */
 #define _GNU_SOURCE /* feenableexcept */
-#include <check.h>
 #include <fenv.h>
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "contact/contact.h"
-#include "delassus/diagnose.h"
-#include "delassus/global.h"
-#include "delassus/pivoting.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "doors.h"
 #include "failures.h"
 #include "fclib_file.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 #include "solids.h"
@@ -101,10 +95,8 @@ static int iterations(void *data, const dls_progress *progress) {
 /* Every method, silent and with a callback. */
 static void every_method(const dls_contact *p, int most_iterations, const char *name) {
   for (int method = 0; method < method_count(); method++) {
-    dls_solver_settings s;
     int calls = 0;
-    dls_solver_settings_init(&s);
-    s.method = (dls_method)method;
+    dls_solver_settings s = settings_with((dls_method)method, default_tol);
     s.limits.max_iterations = most_iterations;
     solve_both(p, &s, name);
     s.limits.progress = iterations;
@@ -130,7 +122,7 @@ static void every_look(const dls_contact *p, const double *r, const char *name) 
   ck_assert_int_ge(of_problem, DLS_OK);
 }
 
-START_TEST(every_failure) {
+TEST(every_failure) {
   int count = 0;
   const failure *all = contact_failures(&count);
   ck_assert_int_gt(count, 0);
@@ -141,7 +133,6 @@ START_TEST(every_failure) {
       every_look(&p, all[k].point[point].x, all[k].name);
   }
 }
-END_TEST
 
 /* Pivots on an LCP by both methods. */
 static void pivot_both(const dls_lcp *lcp, const char *name) {
@@ -169,7 +160,7 @@ static void pivot_both(const dls_lcp *lcp, const char *name) {
   }
 }
 
-START_TEST(every_lcp) {
+TEST(every_lcp) {
   static char names[128][64];
   static failure f;
   char why[200];
@@ -184,10 +175,9 @@ START_TEST(every_lcp) {
   }
   ck_assert_int_gt(lcps, 0);
 }
-END_TEST
 
 /* Reads, reduces where there is a K, solves and recovers. */
-START_TEST(every_file) {
+TEST_EACH(every_file, 0, fclib_count) {
   const char *name = fclib_files[_i];
   dls_fclib *file = read_fclib_file(name);
   if (!file) return; /* a build without HDF5 */
@@ -222,7 +212,6 @@ START_TEST(every_file) {
   free(x);
   free(r);
 }
-END_TEST
 
 /* ---- callbacks and threads ------------------------------------------------------------------- */
 
@@ -237,14 +226,12 @@ static int look_at_host(void *data, const dls_progress *progress) {
   return 0;
 }
 
-START_TEST(progress_finds_the_host) {
+TEST(progress_finds_the_host) {
   model a;
   double r[most];
   slow_model(&a, 1);
   for (int method = 0; method < method_count(); method++) {
-    dls_solver_settings s;
-    dls_solver_settings_init(&s);
-    s.method = (dls_method)method;
+    dls_solver_settings s = settings_with((dls_method)method, default_tol);
     s.limits.progress = look_at_host;
     s.limits.max_iterations = 50;
     host_calls = host_finds = 0;
@@ -257,7 +244,6 @@ START_TEST(progress_finds_the_host) {
                   dls_method_name(s.method), host_finds, host_calls);
   }
 }
-END_TEST
 
 static int plain_finds;
 
@@ -270,7 +256,7 @@ static int look_at_plain(void *data, const dls_progress *progress) {
 }
 
 /* A host without traps finds its flags as they were, whatever a solve with traps did before. */
-START_TEST(plain_host_keeps_its_flags) {
+TEST(plain_host_keeps_its_flags) {
   int count = 0;
   host_calls = plain_finds = 0;
   const failure *all = contact_failures(&count);
@@ -278,10 +264,8 @@ START_TEST(plain_host_keeps_its_flags) {
   for (int k = 0; k < count; k++)
     for (int method = 0; method < method_count(); method++) {
       const dls_contact p = failure_contact(&all[k]);
-      dls_solver_settings s;
       dls_diagnosis about;
-      dls_solver_settings_init(&s);
-      s.method = (dls_method)method;
+      dls_solver_settings s = settings_with((dls_method)method, default_tol);
       s.limits.max_iterations = 50;
       set_host();
       dls_status status = dls_solve(&p, &s, r, NULL, NULL, NULL);
@@ -295,7 +279,6 @@ START_TEST(plain_host_keeps_its_flags) {
   ck_assert_int_gt(host_calls, 0);
   ck_assert_int_eq(plain_finds, host_calls);
 }
-END_TEST
 
 /* K = 2 I; solves by the library, too, which goes through a door inside of a door. */
 static int halve(void *user, double *X, int n, int nrhs) {
@@ -311,7 +294,7 @@ static int halve(void *user, double *X, int n, int nrhs) {
   return 0;
 }
 
-START_TEST(solver_finds_the_host) {
+TEST(solver_finds_the_host) {
   static const int column[] = {0, 1}, normal[] = {0}, tangent[] = {1};
   static const double one[] = {1}, f[2] = {-1, 0};
   double x[2], r[2] = {1, 0};
@@ -334,7 +317,6 @@ START_TEST(solver_finds_the_host) {
   ck_assert_int_eq(host_finds, 2 * host_calls);
   dls_reduction_destroy(R);
 }
-END_TEST
 
 /* ---- the problem on K ------------------------------------------------------------------------ */
 
@@ -362,7 +344,7 @@ static dls_status run_on_K(const solids *S, double mu_of_all, double *r) {
   return status;
 }
 
-START_TEST(on_K) {
+TEST_EACH(on_K, 0, 3) {
   solids S;
   solids_on_K(_i, &S);
   const size_t m = (size_t)(S.model.d * S.model.nodes), size = m + (size_t)S.model.n;
@@ -381,7 +363,6 @@ START_TEST(on_K) {
   free(trapped);
   solids_free(&S);
 }
-END_TEST
 
 static dls_status prepare_unit(void *data, const double *R, dls_error *e) {
   (void)data;
@@ -404,7 +385,7 @@ static dls_status solve_unit(void *data, const double *b, double *x, double accu
   return 1; /* cancels */
 }
 
-START_TEST(solver_on_K_finds_the_host) {
+TEST(solver_on_K_finds_the_host) {
   static const int column[] = {0, 1}, normal[] = {0}, tangent[] = {1};
   static const double one[] = {1}, K[4] = {1, 0, 0, 1}, f[2] = {-1, 0};
   double x[2], r[2] = {0}, R = 1;
@@ -428,7 +409,6 @@ START_TEST(solver_on_K_finds_the_host) {
   ck_assert_int_eq(host_calls, host_finds);
   dls_global_destroy(G);
 }
-END_TEST
 
 /* Leaves traps and another rounding to whoever called. */
 static void spoil(void) {
@@ -485,11 +465,10 @@ static void run_spoiled(int spoils, double r[2][most]) {
                  .HN = {2, 1, column, normal, one},
                  .HT = {2, 1, column, tangent, one}};
   const double mu = .2;
-  dls_solver_settings s;
   dls_reduction *R = NULL;
   dls_global *G = NULL;
   dls_info info;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   s.limits.progress = spoil_progress;
   s.limits.progress_data = &spoils;
   memset(r[0], 0, sizeof r[0]);
@@ -511,7 +490,7 @@ static void run_spoiled(int spoils, double r[2][most]) {
 }
 
 /* A callback that unmasks traps and rounds otherwise changes no bit, and ends nothing. */
-START_TEST(callbacks_leave_what_they_like) {
+TEST(callbacks_leave_what_they_like) {
   static double r[4][most];
   model a;
   numbered_model(&a, 7);
@@ -526,9 +505,7 @@ START_TEST(callbacks_leave_what_they_like) {
   ck_assert_mem_eq(r[0], r[2], 2 * sizeof r[0]);
   for (int method = 0; method < method_count(); method++) {
     for (int spoils = 0; spoils < 2; spoils++) {
-      dls_solver_settings s;
-      dls_solver_settings_init(&s);
-      s.method = (dls_method)method;
+      dls_solver_settings s = settings_with((dls_method)method, default_tol);
       s.limits.progress = spoil_progress;
       s.limits.progress_data = &spoils;
       set_plain();
@@ -542,7 +519,6 @@ START_TEST(callbacks_leave_what_they_like) {
     ck_assert_mem_eq(r[2], r[3], bytes);
   }
 }
-END_TEST
 
 /* Tasks of helpers, whose threads begin while the host has its traps on. */
 typedef struct helpers {
@@ -564,19 +540,14 @@ static void run_helpers(dlsi_team *team, void *data) {
     dlsi_parallel(team, 64, help, data);
 }
 
-START_TEST(helpers_hold_the_host) {
+TEST(helpers_hold_the_host) {
   helpers h = {.host = pthread_self()};
   set_host();
   dlsi_team_run(3, run_helpers, &h);
   expect_host("helpers");
   ck_assert_int_eq(h.held, h.others);
 }
-END_TEST
 
 int main(void) {
-  return RUN("traps", NULL, set_plain, ONCE(every_failure), ONCE(every_lcp),
-             EACH(every_file, 0, fclib_count), ONCE(progress_finds_the_host),
-             ONCE(plain_host_keeps_its_flags), ONCE(solver_finds_the_host), EACH(on_K, 0, 3),
-             ONCE(solver_on_K_finds_the_host), ONCE(callbacks_leave_what_they_like),
-             ONCE(helpers_hold_the_host));
+  return run_tests("traps", NULL, set_plain);
 }

@@ -7,22 +7,12 @@
  *
  * prints the relative difference for each FCLIB file, or why there is no derivative.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "delassus/derive.h"
+#include "delassus.h"
 #include "delassus/forming.h"
-#include "delassus/solve.h"
-#include "delassus/trust.h"
 #include "differences.h"
-#include "errors.h"
 #include "fclib_file.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -87,8 +77,7 @@ static int moved_answer(void *of, double h, double *out, dls_contact_state *stat
   *(p.W.a ? &p.W.a : p.Wb.x ? &p.Wb.x : &p.bodies.H) = W;
   p.q = q;
   p.mu = mu;
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   s.limits.warm_start = 1;
   s.limits.tol = 1e-12;
   memcpy(r, v->start, v->m * sizeof *r);
@@ -164,7 +153,7 @@ static double judge(const dls_contact *p, dls_error *why) {
 
 /* W = I in 3D, q = (-1, q_t): slips with r_t = -mu q_t / |q_t| while |q_t| > mu, and turns with
  * q_t: dr_t / dq_t = -mu (1 - t t^T) / |q_t|. */
-START_TEST(slip_turns) {
+TEST(slip_turns) {
   static model a;
   double r[3], dr[3], du[3], q[3], mu[1];
   dls_derive *derive;
@@ -183,23 +172,19 @@ START_TEST(slip_turns) {
                                   &(dls_derive_answer){dr, du, NULL}, NULL),
                    DLS_OK);
   ck_assert_double_eq_tol(dr[0], -0.5, 1e-15);
-  ck_assert_double_eq_tol(dr[1], -0.1 * 16 / 25 + 0.5 * 0.3, 1e-15);
-  ck_assert_double_eq_tol(dr[2], 0.1 * 12 / 25 + 0.5 * 0.4, 1e-15);
-  ck_assert_double_eq_tol(du[0], 0, 1e-15);
-  ck_assert_double_eq_tol(du[1], 1 + dr[1], 1e-15);
+  assert_near(dr + 1, (double[]){-0.1 * 16 / 25 + 0.5 * 0.3, 0.1 * 12 / 25 + 0.5 * 0.4}, 2, 1e-15);
+  assert_near(du, (double[]){0, 1 + dr[1]}, 2, 1e-15);
   ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = (double[]){0, 1, 0}},
                                   &(dls_derive_data){.q = q, .mu = mu}, NULL),
                    DLS_OK);
-  ck_assert_double_eq_tol(q[0], 0.3, 1e-15);
-  ck_assert_double_eq_tol(q[1], -0.1 * 16 / 25, 1e-15);
+  assert_near(q, (double[]){0.3, -0.1 * 16 / 25}, 2, 1e-15);
   ck_assert_double_eq_tol(mu[0], -0.6, 1e-15);
   dls_derive_destroy(derive);
 }
-END_TEST
 
 /* The derivative to the right at mu = 0: r_t = -mu u_t / |u_t| r_n. Stick and free do not know
  * mu. */
-START_TEST(friction_from_zero) {
+TEST(friction_from_zero) {
   static model a;
   double r[8] = {1, 0, 1, 0, 0, 0, 1, -0.25}, dr[8], mu[4];
   dls_derive *derive;
@@ -223,7 +208,6 @@ START_TEST(friction_from_zero) {
     ck_assert_double_eq_tol(mu[c], c == 0 ? -1 : 0, 1e-15);
   dls_derive_destroy(derive);
 }
-END_TEST
 
 /* ---- random problems, files ------------------------------------------------------------------ */
 
@@ -249,7 +233,7 @@ static dls_contact random_contacts(int i, double **memory) {
   return (dls_contact){.d = d, .nc = nc, .W = {m, m, ld, W}, .q = q, .mu = mu};
 }
 
-START_TEST(random_dense) {
+TEST_EACH(random_dense, 0, 42) {
   double *memory;
   dls_error why;
   dls_contact p = random_contacts(_i, &memory);
@@ -258,27 +242,26 @@ START_TEST(random_dense) {
   if (worst < 0) ck_assert_int_ge(why.index, 0);
   free(memory);
 }
-END_TEST
 
 /* By blocks, of rigid bodies: the gradient of what is stored. */
-START_TEST(random_storages) {
+TEST_EACH(random_storages, 0, 18) {
+  const int number = _i < 12 ? _i : _i + 88;
   static model a;
   static block_storage B;
   static bodies_storage S;
   dls_contact p;
   dls_error why;
-  if (_i < 100) {
-    numbered_model(&a, _i);
+  if (number < 100) {
+    numbered_model(&a, number);
     p = by_blocks(&a, &B);
   } else
-    bodies_model(&a, &S, &p, _i);
+    bodies_model(&a, &S, &p, number);
   const double worst = judge(&p, &why);
-  ck_assert_msg(worst <= tol, "%d: %g", _i, worst);
+  ck_assert_msg(worst <= tol, "%d: %g", number, worst);
 }
-END_TEST
 
 /* 150 contacts in a row, by blocks: factors of MUMPS where there is MUMPS. */
-START_TEST(sparse_blocks) {
+TEST(sparse_blocks) {
   dls_contact dense, blocks;
   dls_derive *of[2];
   static double r[row_m], g[row_m], q[2][row_m];
@@ -298,7 +281,6 @@ START_TEST(sparse_blocks) {
   const double worst = judge(&blocks, &why);
   ck_assert_msg(worst >= 0 && worst <= tol, "%g", worst);
 }
-END_TEST
 
 static char **named; /* of the command line */
 
@@ -326,7 +308,7 @@ static double judge_file(const dls_fclib *file, int *nc, dls_error *why) {
   return worst;
 }
 
-START_TEST(every_file) {
+TEST_EACH(every_file, 0, fclib_count) {
   dls_fclib *file = read_fclib_file(fclib_files[_i]);
   if (!file) return;
   dls_error why;
@@ -335,7 +317,6 @@ START_TEST(every_file) {
   ck_assert_msg(worst >= 0 && worst <= tol, "%s: %g", fclib_files[_i], worst);
   dls_fclib_destroy(file);
 }
-END_TEST
 
 /* ---- borders --------------------------------------------------------------------------------- */
 
@@ -364,7 +345,7 @@ static int put_on_border(dls_contact *p, double *q, double *mu, int c, const dou
 
 /* On a border the error names the contact and both states; the two derivatives are those to the
  * right and to the left, and they differ. */
-START_TEST(kinks) {
+TEST_EACH(kinks, 0, 21) {
   double *memory;
   dls_contact p = random_contacts(_i, &memory);
   const size_t m = (size_t)p.d * (size_t)p.nc;
@@ -418,14 +399,12 @@ START_TEST(kinks) {
   free(memory);
   moved_free(&v);
 }
-END_TEST
 
 /* A table on four legs: its reactions are not determined. */
-START_TEST(four_legs) {
+TEST(four_legs) {
   static model a;
   static const double H[3][4] = {{1, 1, 1, 1}, {1, -1, 1, -1}, {1, 1, -1, -1}};
   dls_derive *derive;
-  dls_error why;
   set_model(&a, 1, 4);
   for (int i = 0; i < 4; i++) {
     a.q[i] = -2;
@@ -433,13 +412,12 @@ START_TEST(four_legs) {
       for (int k = 0; k < 3; k++)
         a.W[i + 4 * j] += H[k][i] * H[k][j] * (k ? 0.3 : 1);
   }
-  expect_error(dls_derive_create(&derive, &a.p, (double[]){0.75, 0.25, 0.25, 0.75}, -1, &why), &why,
-               DLS_E_NO_DERIVATIVE, "dls_derive_create", "r", -1);
+  REFUSES(NO_DERIVATIVE, "r", -1, dls_derive_create, &derive, &a.p,
+          (double[]){0.75, 0.25, 0.25, 0.75}, -1);
 }
-END_TEST
 
 /* The linearised contact problem of one load step of the indentation of Chabrand et al. */
-START_TEST(indentation) {
+TEST_EACH(indentation, 0, 6) {
   dls_forming_settings s;
   dls_forming *forming;
   dls_contact p;
@@ -456,50 +434,42 @@ START_TEST(indentation) {
   ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
   dls_forming_destroy(forming);
 }
-END_TEST
 
 /* ---- nothing wrong --------------------------------------------------------------------------- */
 
 /* A contact that slips beside one that sticks; all that may be wrong with a call is named. */
-START_TEST(bad_calls) {
+TEST(bad_calls) {
   double W[16] = {4, 0, 0.5, 0, 0, 2, 0, 0, 0.5, 0, 4, 0, 0, 0, 0, 2};
   double q[4] = {-4, -0.25, -4, 3}, mu[2] = {0.5, 0.5}, r[4], out[4] = {7, 7, 7, 7};
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
-  const char *const create = "dls_derive_create", *const vjp = "dls_derive_vjp";
   dls_derive *derive, *out_of[1];
   dls_error e;
   ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, NULL, NULL), DLS_OK);
-  expect_error(dls_derive_create(NULL, &p, r, -1, &e), &e, DLS_E_ARGUMENT, create, "out", -1);
-  expect_error(dls_derive_create(out_of, NULL, r, -1, &e), &e, DLS_E_ARGUMENT, create, "problem",
-               -1);
-  expect_error(dls_derive_create(out_of, &p, NULL, -1, &e), &e, DLS_E_ARGUMENT, create, "r", -1);
-  expect_error(dls_derive_create(out_of, &p, r, 2, &e), &e, DLS_E_ARGUMENT, create, "side", -1);
+  REFUSES(ARGUMENT, "out", -1, dls_derive_create, NULL, &p, r, -1);
+  REFUSES(ARGUMENT, "problem", -1, dls_derive_create, out_of, NULL, r, -1);
+  REFUSES(ARGUMENT, "r", -1, dls_derive_create, out_of, &p, NULL, -1);
+  REFUSES(ARGUMENT, "side", -1, dls_derive_create, out_of, &p, r, 2);
   r[2] += 0.1;
-  expect_error(dls_derive_create(out_of, &p, r, -1, &e), &e, DLS_E_ARGUMENT, create, "r", -1);
+  REFUSES(ARGUMENT, "r", -1, dls_derive_create, out_of, &p, r, -1);
   r[2] = NAN;
-  expect_error(dls_derive_create(out_of, &p, r, -1, &e), &e, DLS_E_NOT_FINITE, create, "r", 2);
+  REFUSES(NOT_FINITE, "r", 2, dls_derive_create, out_of, &p, r, -1);
   ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, NULL, NULL), DLS_OK);
-  expect_error(dls_derive_create_body(out_of, NULL, mu, r, r, -1, &e), &e, DLS_E_ARGUMENT,
-               "dls_derive_create_body", "reduction", -1);
+  REFUSES(ARGUMENT, "reduction", -1, dls_derive_create_body, out_of, NULL, mu, r, r, -1);
   MALLOCS_FAIL(dls_derive_create(&derive, &p, r, -1, NULL), !derive, DLS_OK, 3);
   double g[4] = {1, 0, 0, NAN};
   const dls_derive_answer loss = {.r = g};
   const dls_derive_data gradient = {.q = out};
-  expect_error(dls_derive_vjp(NULL, &loss, &gradient, &e), &e, DLS_E_ARGUMENT, vjp, "derive", -1);
-  expect_error(dls_derive_vjp(derive, NULL, &gradient, &e), &e, DLS_E_ARGUMENT, vjp, "loss", -1);
-  expect_error(dls_derive_vjp(derive, &loss, NULL, &e), &e, DLS_E_ARGUMENT, vjp, "gradient", -1);
-  expect_error(dls_derive_vjp(derive, &loss, &gradient, &e), &e, DLS_E_NOT_FINITE, vjp, "r", 3);
-  expect_error(dls_derive_vjp(derive, &loss, &(dls_derive_data){.f = out}, &e), &e, DLS_E_ARGUMENT,
-               vjp, "derive", -1);
-  expect_error(dls_derive_jvp(derive, &(dls_derive_data){.q = g}, &loss, &e), &e, DLS_E_NOT_FINITE,
-               "dls_derive_jvp", "q", 3);
+  REFUSES(ARGUMENT, "derive", -1, dls_derive_vjp, NULL, &loss, &gradient);
+  REFUSES(ARGUMENT, "loss", -1, dls_derive_vjp, derive, NULL, &gradient);
+  REFUSES(ARGUMENT, "gradient", -1, dls_derive_vjp, derive, &loss, NULL);
+  REFUSES(NOT_FINITE, "r", 3, dls_derive_vjp, derive, &loss, &gradient);
+  REFUSES(ARGUMENT, "derive", -1, dls_derive_vjp, derive, &loss, &(dls_derive_data){.f = out});
+  REFUSES(NOT_FINITE, "q", 3, dls_derive_jvp, derive, &(dls_derive_data){.q = g}, &loss);
   double dW[16] = {0};
   dW[5] = INFINITY;
-  expect_error(
-      dls_derive_jvp(derive, &(dls_derive_data){.W = dW}, &(dls_derive_answer){.r = out}, &e), &e,
-      DLS_E_NOT_FINITE, "dls_derive_jvp", "W", 5);
-  for (int k = 0; k < 4; k++)
-    ck_assert_double_eq(out[k], 7);
+  REFUSES(NOT_FINITE, "W", 5, dls_derive_jvp, derive, &(dls_derive_data){.W = dW},
+          &(dls_derive_answer){.r = out});
+  assert_all(out, 4, 7);
   g[3] = 0;
   malloc_fails_at(0);
   const dls_status status = dls_derive_vjp(derive, &loss, &gradient, NULL);
@@ -515,7 +485,6 @@ START_TEST(bad_calls) {
                    DLS_OK);
   dls_derive_destroy(derive);
 }
-END_TEST
 
 START_TEST(named_file) {
   dls_fclib *file;
@@ -532,15 +501,11 @@ START_TEST(named_file) {
   (void)fflush(stdout);
   dls_fclib_destroy(file);
 }
-END_TEST
 
 int main(int argc, char **argv) {
   if (argc > 1) {
     named = argv + 1;
-    return RUN("derive", NULL, NULL, EACH(named_file, 0, argc - 1));
+    return run_alone(named_file, 0, argc - 1);
   }
-  return RUN("derive", NULL, NULL, ONCE(slip_turns), ONCE(friction_from_zero),
-             EACH(random_dense, 0, 42), EACH(random_storages, 0, 12),
-             EACH(random_storages, 100, 106), ONCE(sparse_blocks), EACH(every_file, 0, fclib_count),
-             EACH(kinks, 0, 21), ONCE(four_legs), EACH(indentation, 0, 6), ONCE(bad_calls));
+  return run_tests("derive", NULL, NULL);
 }

@@ -2,19 +2,11 @@
  * test_derive_body.c: derivatives of answers (x, r) on K against central differences and closed
  * forms: the block of Jean, free bodies, joints, weighted reactions, E and nu.
  */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "delassus/derive.h"
+#include "delassus.h"
 #include "delassus/fe.h"
-#include "delassus/solve.h"
-#include "delassus/trust.h"
 #include "differences.h"
-#include "errors.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 #include "solids.h"
@@ -93,9 +85,7 @@ static int body_answer(void *of, double h, double *out, dls_contact_state *state
   on.on = v->on;
   ck_assert_msg(!dls_reduction_create(&R, &body, &on, &e), "%s", e.message);
   ck_assert_int_eq(dls_reduction_load(R, f, g, NULL), DLS_OK);
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
-  s.limits.tol = v->on == DLS_ON_K ? 1e-13 : 1e-12;
+  dls_solver_settings s = settings_with(DLS_AUTO, v->on == DLS_ON_K ? 1e-13 : 1e-12);
   dls_status status = dls_reduction_solve(R, mu, &s, r, u, x, NULL, &e);
   ck_assert_msg(status >= 0, "%s", e.message);
   int solved = status == DLS_OK || status == DLS_TO_ROUNDING;
@@ -120,13 +110,12 @@ static double judge_body(moved_body *v, dls_error *why) {
   double *gf = garbage(n), *gg = garbage(v->nodes), *gmu = garbage((size_t)v->nc);
   double *gK = garbage(v->values);
   dls_contact_state *state = malloc(((size_t)v->nc + 1) * sizeof *state);
-  dls_reduction *R;
   dls_derive *derive;
   ck_assert(body_answer(v, 0, at, state));
   dls_reduction_settings on;
   dls_reduction_settings_init(&on);
   on.on = v->on;
-  ck_assert_int_eq(dls_reduction_create(&R, &v->model, &on, NULL), DLS_OK);
+  dls_reduction *R = reduction_of(&v->model, &on);
   ck_assert_int_eq(dls_reduction_load(R, v->f, v->g, NULL), DLS_OK);
   const double length = norm_of(at + 2 * m, (int)n) / sqrt((double)n);
   for (size_t k = 0; k < v->nodes; k++)
@@ -169,7 +158,7 @@ static double judge_body(moved_body *v, dls_error *why) {
 }
 
 /* Jean's block: concentrated and weighted, dense and sparse, on W and on K. */
-START_TEST(block_of_jean) {
+TEST_EACH(block_of_jean, 0, 16) {
   static const char *const names[] = {"jean-fig3", "jean-fig4"};
   dls_fe_scene *scene;
   dls_fe_scene_settings s;
@@ -187,10 +176,9 @@ START_TEST(block_of_jean) {
   body_free(&v);
   dls_fe_scene_destroy(scene);
 }
-END_TEST
 
 /* Free blocks on the ground, K singular; in 2D and 3D. */
-START_TEST(free_blocks) {
+TEST_EACH(free_blocks, 0, 4) {
   solids S;
   moved_body v;
   dls_error why;
@@ -207,7 +195,6 @@ START_TEST(free_blocks) {
   body_free(&v);
   solids_free(&S);
 }
-END_TEST
 
 enum { small_n = 14, small_nodes = 4, small_joints = 2 };
 
@@ -222,21 +209,23 @@ static void alike(double *f, double *K) {
 
 /* Dense random bodies, 2D and 3D: with joints or unsymmetric (_i & 2), weighted (4), with a contact
  * without tangents and one left out (8), all joints given twice (16). */
-START_TEST(random_bodies) {
+TEST_EACH(random_bodies, 0, 20) {
+  const int number = _i < 18 ? _i : _i + 2;
   double K[small_n * small_n] = {0}, N[small_n * small_nodes], T[2 * small_n * small_nodes];
   double f[small_n], g[3 * small_nodes], W[small_n * small_n], A[small_n * small_n];
   int p[2 * small_nodes + 1], row[2 * small_n * small_nodes];
   const double weight[] = {0.75, 0.25, 0.125, 0.75, 0.125, 0.25, 0.75}, mus[] = {0.4, 0, 0.7, 0.3};
   const int at[] = {0, 2, 5, 7}, node[] = {0, 1, 0, 1, 2, 2, 3}, active[] = {1, 1, 0, 1};
-  const int d = 2 + (_i & 1), twice = _i / 16;
-  const int joints = _i & 2 ? 0 : small_joints * (1 + twice), own = small_n - joints;
-  set_seed((uint64_t)_i + 7);
+  const int d = 2 + (number & 1), twice = number / 16;
+  const int joints = number & 2 ? 0 : small_joints * (1 + twice), own = small_n - joints;
+  set_seed((uint64_t)number + 7);
   for (int k = 0; k < own * own; k++)
     A[k] = uniform();
   gram(own, A, 0.5, W);
   for (int j = 0; j < small_n; j++)
     for (int i = 0; i < small_n; i++)
-      K[i + small_n * j] = i < own && j < own ? W[i + own * j] * (_i & 2 ? 1 + 0.1 * uniform() : 1)
+      K[i + small_n * j] = i < own && j < own
+                               ? W[i + own * j] * (number & 2 ? 1 + 0.1 * uniform() : 1)
                            : i < own || j < own ? 0.5 * cos(i * j)
                                                 : 0;
   for (int k = 0; k <= 2 * small_nodes; k++)
@@ -254,15 +243,15 @@ START_TEST(random_bodies) {
                     .n = small_n,
                     .nodes = small_nodes,
                     .operator_kind = DLS_STIFFNESS_DENSE,
-                    .factorization = _i & 2 ? DLS_LU : DLS_LDLT,
+                    .factorization = number & 2 ? DLS_LU : DLS_LDLT,
                     .K = {small_n, small_n, small_n, K},
                     .HN = {small_n, small_nodes, p, row, N},
                     .HT = {small_n, (d - 1) * small_nodes, p, row, T}};
   double mu[small_nodes], few[small_nodes];
   for (int c = 0; c < small_nodes; c++)
-    mu[c] = few[c] = _i & 8 ? mus[c] : 0.4;
-  if (_i & 4) body.P = (dls_sparse){small_nodes, 3, at, node, weight};
-  if (_i & 8) {
+    mu[c] = few[c] = number & 8 ? mus[c] : 0.4;
+  if (number & 4) body.P = (dls_sparse){small_nodes, 3, at, node, weight};
+  if (number & 8) {
     body.active = active;
     body.mu = mu;
     few[2] = mu[3];
@@ -276,7 +265,6 @@ START_TEST(random_bodies) {
   ck_assert_msg(worst >= 0 && worst <= tol, "%g %s", worst, worst < 0 ? why.message : "");
   body_free(&v);
 }
-END_TEST
 
 /* E and nu of triangles and of quadrilaterals, by differences of the reduction of the scene; the
  * loss is a sum of all nodes' displacements. */
@@ -331,7 +319,7 @@ static double loss_of(double E, double nu, int weighted, double *of_E, double *o
   return loss;
 }
 
-START_TEST(material) {
+TEST_EACH(material, 0, 2) {
   double of_E, of_nu;
   const double E = 1.3e11, nu = 0.27;
   (void)loss_of(E, nu, _i, &of_E, &of_nu);
@@ -346,59 +334,43 @@ START_TEST(material) {
   ck_assert_double_eq_tol(of_E / (D[0][1] + (D[0][1] - D[0][0]) / 3), 1, tol);
   ck_assert_double_eq_tol(of_nu / (D[1][1] + (D[1][1] - D[1][0]) / 3), 1, tol);
 }
-END_TEST
 
 /* Of a reduction: no K, a body that nothing holds, a border, memory. */
-START_TEST(bad_bodies) {
+TEST(bad_bodies) {
   const double K[4] = {3, 1, 1, 2}, F[4] = {0.4, -0.2, -0.2, 0.6}, one[] = {1}, mu[] = {0.2};
   const int p[] = {0, 1}, along[] = {0}, up[] = {1};
   double r[2] = {10.9375, -2.1875}, x[2] = {0.9375, 0}, load[2] = {5, -10}, out[2];
   dls_model body = {.d = 2, .n = 2, .nodes = 1, .K = {2, 2, 2, K}};
-  const char *const name = "dls_derive_create_body";
-  dls_reduction *R;
   dls_derive *derive;
-  dls_error e;
   body.HN = (dls_sparse){2, 1, p, up, one};
   body.HT = (dls_sparse){2, 1, p, along, one};
   body.operator_kind = DLS_FLEXIBILITY;
   body.K.a = F;
-  ck_assert_int_eq(dls_reduction_create(&R, &body, NULL, NULL), DLS_OK);
+  dls_reduction *R = reduction_of(&body, NULL);
   ck_assert_int_eq(dls_reduction_load(R, load, NULL, NULL), DLS_OK);
-  expect_error(dls_derive_create_body(&derive, R, mu, r, x, -1, &e), &e, DLS_E_UNSUPPORTED, name,
-               "reduction", -1);
+  REFUSES(UNSUPPORTED, "reduction", -1, dls_derive_create_body, &derive, R, mu, r, x, -1);
   dls_reduction_destroy(R);
   body.K.a = K;
   body.operator_kind = DLS_STIFFNESS_DENSE;
   body.factorization = DLS_CHOLESKY;
   ck_assert_int_eq(dls_reduction_create(&R, &body, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, load, NULL, NULL), DLS_OK);
-  expect_error(dls_derive_create_body(&derive, R, NULL, r, x, -1, &e), &e, DLS_E_ARGUMENT, name,
-               "mu", -1);
+  REFUSES(ARGUMENT, "mu", -1, dls_derive_create_body, &derive, R, NULL, r, x, -1);
   x[0] = NAN;
-  expect_error(dls_derive_create_body(&derive, R, mu, r, x, -1, &e), &e, DLS_E_NOT_FINITE, name,
-               "x", 0);
+  REFUSES(NOT_FINITE, "x", 0, dls_derive_create_body, &derive, R, mu, r, x, -1);
   x[0] = 0.9375;
   MALLOCS_FAIL(dls_derive_create_body(&derive, R, mu, r, x, -1, NULL), !derive, DLS_OK, 8);
   /* docs/tour.md, 8: u_n = .64 r_n - 7 = 0, r_t = -mu r_n */
   ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = (double[]){1, 0}},
                                   &(dls_derive_data){.f = out}, NULL),
                    DLS_OK);
-  ck_assert_double_eq_tol(out[0], 0.2 / 0.64, 1e-14);
-  ck_assert_double_eq_tol(out[1], -0.6 / 0.64, 1e-14);
+  assert_near(out, (double[]){0.2 / 0.64, -0.6 / 0.64}, 2, 1e-14);
   ck_assert_int_eq(dls_derive_vjp(derive, &(dls_derive_answer){.r = (double[]){1, 0}},
                                   &(dls_derive_data){.mu = out}, NULL),
                    DLS_OK);
   ck_assert_double_eq_tol(out[0], -7 * 0.2 / (0.64 * 0.64), 1e-13); /* r_n = 7 / (.6 + .2 mu) */
-  expect_error(
-      dls_derive_vjp(derive, &(dls_derive_answer){.r = r}, &(dls_derive_data){.q = out}, &e), &e,
-      DLS_E_ARGUMENT, "dls_derive_vjp", "derive", -1);
+  REFUSES(ARGUMENT, "derive", -1, dls_derive_vjp, derive, &(dls_derive_answer){.r = r},
+          &(dls_derive_data){.q = out});
   dls_derive_destroy(derive);
   dls_reduction_destroy(R);
-}
-END_TEST
-
-int main(void) {
-  return RUN("derive body", NULL, NULL, EACH(block_of_jean, 0, 16), EACH(free_blocks, 0, 4),
-             EACH(random_bodies, 0, 18), EACH(random_bodies, 20, 22), EACH(material, 0, 2),
-             ONCE(bad_bodies));
 }

@@ -1,12 +1,8 @@
 /* test_farkas.c: the linear problem that every solution solves: what it proves and excludes. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus/solve.h"
 #include "facts/facts.h"
+#include "made.h"
 #include "run.h"
 
 /* Two candidates that a bar presses apart: W_nn = (1 -1; -1 1 + e), q_n = -1: no solution for e =
@@ -24,19 +20,16 @@ static void pressed(model *a, int d, double e) {
 }
 
 static dls_status solve_pressed(const model *a, dls_method method, int *has_proof) {
-  dls_solver_settings s;
-  dls_solver *solver;
   double r[6];
-  dls_solver_settings_init(&s);
-  s.method = method;
-  ck_assert_int_eq(dls_solver_create(&solver, a->p.d, 2, &s, NULL), DLS_OK);
+  dls_solver_settings s = settings_with(method, default_tol);
+  dls_solver *solver = solver_of(a->p.d, 2, &s);
   const dls_status status = dls_solver_solve(solver, &a->p, r, NULL, NULL, NULL);
   *has_proof = dls_solver_farkas(solver) != NULL;
   dls_solver_destroy(solver);
   return status;
 }
 
-START_TEST(no_solution_is_proved_in_2d_and_3d) {
+TEST_EACH(no_solution_is_proved_in_2d_and_3d, 0, 4) {
   static model a;
   const dls_method method[] = {DLS_AUTO, DLS_LEMKE};
   int proof;
@@ -47,13 +40,12 @@ START_TEST(no_solution_is_proved_in_2d_and_3d) {
   ck_assert_int_eq(solve_pressed(&a, method[_i % 2], &proof), DLS_OK);
   ck_assert_int_eq(proof, 0);
 }
-END_TEST
 
 /* With e = 2^-40 the solution of size 2^41 exists and has a floor that no tolerance of 1e-8
  * allows: auto neither denies it nor searches beyond the 20 first iterations in 3D, but ends with a
  * run of Lemke's method, and proves it: within 7e-6, and within 1e-2, which is too much, where long
  * double has 53 bits. */
-START_TEST(far_is_not_denied_nor_searched) {
+TEST_EACH(far_is_not_denied_nor_searched, 0, 2) {
   static model a;
   dls_info info;
   double r[6];
@@ -70,10 +62,9 @@ START_TEST(far_is_not_denied_nor_searched) {
   ck_assert_int_eq(info.stage[info.stages - 1].method, DLS_LEMKE);
   ck_assert_int_le(info.stages, 6 + 3 * _i); /* 3D: the augmented Lagrangian, too */
 }
-END_TEST
 
 /* Whatever v says: a problem whose answer is certified is never excluded. */
-START_TEST(certified_is_never_excluded) {
+TEST_EACH(certified_is_never_excluded, 0, 10) {
   static model a;
   double r[most], w[most], v[most];
   dls_info info;
@@ -86,10 +77,9 @@ START_TEST(certified_is_never_excluded) {
     ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-8), 0);
   }
 }
-END_TEST
 
 /* (FA3) by hand, W = 1 but for e: v = (1, 1) has g = (0, e), so that R e / w < 2 excludes. */
-START_TEST(exclusion_by_hand) {
+TEST(exclusion_by_hand) {
   static model a;
   const double v[2] = {1, 1}, w[2] = {1, 1}, bad[2] = {1, 0};
   pressed(&a, 2, 0x1p-26);
@@ -99,12 +89,11 @@ START_TEST(exclusion_by_hand) {
   pressed(&a, 2, 0x1p-20);
   ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-8), 0);
 }
-END_TEST
 
 /* (FA3) of one candidate with v = 1, q = (-1, 0), at both sides of its edge: W_nn = 1, x = g / w,
  * excludes for x C / (4 eps) < 1 but for C = 1e-8, and W_nn = -1 for C (sqrt(1 + mu^2) + x + 1) <
  * 1. */
-START_TEST(edge_of_exclusion) {
+TEST(edge_of_exclusion) {
   static model a;
   const double v[] = {1}, far = 4 * DBL_EPSILON / 1e-8;
   for (int side = -1; side <= 1; side += 2) {
@@ -121,11 +110,10 @@ START_TEST(edge_of_exclusion) {
     ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 0.25), side < 0);
   }
 }
-END_TEST
 
 /* (FA2) where rows n of W tell the edges: W_ab has row n e_a for each b. The middle candidate slips
  * freely. */
-START_TEST(linear_problem_by_hand) {
+TEST_EACH(linear_problem_by_hand, 0, 2) {
   static model a;
   const int d = 2 + _i, edges = d == 2 ? 2 : 8, n = 3 + 2 * edges + 1;
   const double s[3] = {2, 0.5, 4}, unit = 8;
@@ -168,11 +156,4 @@ START_TEST(linear_problem_by_hand) {
     }
     ck_assert_double_eq_tol(hypot(sum[1], sum[2]), 0, 1e-14); /* they go all around */
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("farkas", NULL, NULL, EACH(no_solution_is_proved_in_2d_and_3d, 0, 4),
-             EACH(far_is_not_denied_nor_searched, 0, 2), EACH(certified_is_never_excluded, 0, 10),
-             ONCE(exclusion_by_hand), ONCE(edge_of_exclusion), EACH(linear_problem_by_hand, 0, 2));
 }

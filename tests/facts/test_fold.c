@@ -1,11 +1,6 @@
 /* test_fold.c: the fold by hand: its friction, states, witness, and the number of matrices. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "facts/facts.h"
 #include "front_cases.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 enum { most_nc = 3, most_m = 2 * most_nc };
@@ -49,7 +44,7 @@ static void fold_vector_is(const double *x, double first, double second) {
  * half of u_t; q = (0, -side) - W (1, 2 side) = (0, -5 side / 2). The other candidate, of W = w, is
  * free: q_n = sqrt(w), in either place; the one that folds has the share 1, or 1/2 where its mu is
  * the smaller. */
-START_TEST(one_slips) {
+TEST(one_slips) {
   for (int at = 0; at < 2; at++)
     for (int half = 0; half < 2; half++)
       for (int side = -1; side <= 1; side += 2) {
@@ -70,12 +65,11 @@ START_TEST(one_slips) {
         fold_vector_is(other + 2 * none, 0, 0);
       }
 }
-END_TEST
 
 /* (4^nc - 2^nc) / 2 matrices, as one of them slips and the first keeps its side; without friction a
  * candidate is free or slips: 5 for one of two. All without are as all with it. One more gives the
  * vector of the fold. */
-START_TEST(matrices_are_counted) {
+TEST(matrices_are_counted) {
   static const int matrices[] = {1, 6, 28};
   for (int nc = 1; nc <= 3; nc++) {
     set_fold(nc);
@@ -100,12 +94,11 @@ START_TEST(matrices_are_counted) {
     ck_assert(state[1 - c] == DLS_SLIP && state[c] == DLS_FREE);
   }
 }
-END_TEST
 
 /* Two that slip against each other: W_nn = I, W_nt = (0 a; b 0), of which (FO2) has the eigenvalues
  * g = +- sqrt(a b) if both slip to sides of the same product, else imaginary ones: lambda =
  * 1 / sqrt(a b), and sides that are opposed if a b < 0. */
-START_TEST(two_slip) {
+TEST(two_slip) {
   for (int opposed = 0; opposed < 2; opposed++) {
     const double a = 0.5, b = opposed ? -0.125 : 0.125;
     set_fold(2);
@@ -136,13 +129,12 @@ START_TEST(two_slip) {
     }
   }
 }
-END_TEST
 
 /* One slips, b = 1/4 between its n and t, and the other one sticks, h = 1/2 between its t and the n
  * of the first: g = -b / (1 - h^2), lambda = 3 in place of 4, y = (1, -3; 0, -1/2) for b > 0, and
  * the step leaves 6 tenths of the friction of the one that sticks, 3/32. Each of q, r, other may be
  * NULL. */
-START_TEST(one_sticks) {
+TEST(one_sticks) {
   for (int at = 0; at < 2; at++)
     for (int side = -1; side <= 1; side += 2) {
       const int n = 2 * at, other_t = 2 * (1 - at) + 1;
@@ -171,10 +163,9 @@ START_TEST(one_sticks) {
       }
     }
 }
-END_TEST
 
 /* One candidate, 200 starts: two matrices from a start that slips, three from the other 50. */
-START_TEST(the_search_ends) {
+TEST(the_search_ends) {
   set_fold(1);
   set_block(0, 1, 0.25, 1);
   find_fold(1);
@@ -184,10 +175,9 @@ START_TEST(the_search_ends) {
   ck_assert_int_eq(dls_contact_fold(&t.p, &fold, NULL, NULL, NULL, NULL, NULL), DLS_OK);
   ck_assert(fold.exact == 1 && fold.matrices == 1 + 1);
 }
-END_TEST
 
 /* What of W is not positive definite: its symmetric part is singular, (1 1; 1 1), or is not. */
-START_TEST(unsymmetric) {
+TEST(unsymmetric) {
   set_fold(1);
   set_block(0, 1, 0, 1);
   for (int k = 0; k < 2; k++) {
@@ -203,9 +193,8 @@ START_TEST(unsymmetric) {
     ck_assert_double_eq_tol(fold.friction, k ? 1 : 0.5, 1e-14); /* W_nn / |W_nt| */
   }
 }
-END_TEST
 
-START_TEST(what_is_refused) {
+TEST(what_is_refused) {
   dls_error e;
   fold.matrices = 77;
   set_fold(2);
@@ -222,7 +211,6 @@ START_TEST(what_is_refused) {
   ck_assert_str_eq(e.argument, "d");
   ck_assert(e.index == -1 && e.value == 1 && fold.matrices == 77);
 }
-END_TEST
 
 /* ---- d = 3 ----------------------------------------------------------------------------------- */
 
@@ -298,7 +286,7 @@ static void expect_bracket(space_problem *s, double unique, double friction) {
  *
  * least at cos^2 a = -(e + k) / k, if that is below 1: 2 sqrt(-k (e + k)) / (b e). For e = 1 it is
  * the bound below which the answer is proved to be one: the bracket closes. In any frame, unit. */
-START_TEST(one_contact_in_space) {
+TEST(one_contact_in_space) {
   static const double b[] = {0.5, 0.8, 0.8, 0.8}, e[] = {1, 1, 0.9, 0.5};
   for (int k = 0; k < 4; k++)
     for (int turned = 0; turned < 3; turned++) {
@@ -315,12 +303,11 @@ START_TEST(one_contact_in_space) {
                      turns ? 2 * sqrt(-kappa * (e[k] + kappa)) / (b[k] * e[k]) : 1 / b[k]);
     }
 }
-END_TEST
 
 /* Two slip against each other as in two_slip, in directions of their own: a, b between the n of
  * one and a tangent of the other: 1 / sqrt(a b); a second contact that sticks as in one_sticks: 3.
  * A share of 1/2 at both doubles the largest coefficient. */
-START_TEST(two_contacts_in_space) {
+TEST(two_contacts_in_space) {
   for (int k = 0; k < 4; k++) {
     space_problem s;
     set_space(&s, 2);
@@ -339,11 +326,10 @@ START_TEST(two_contacts_in_space) {
     expect_bracket(&s, 0, 3);
   }
 }
-END_TEST
 
 /* Random W: the friction is that of any frame, and the bracket is one. Each malloc fails in turn.
  */
-START_TEST(brackets_in_space) {
+TEST(brackets_in_space) {
   for (unsigned k = 0; k < 12; k++) {
     unsigned seed = 977 * k + 1;
     space_problem s;
@@ -376,11 +362,4 @@ START_TEST(brackets_in_space) {
   s.W[1] = s.W[3] = 0; /* nothing couples n and t */
   ck_assert(!dls_contact_fold(&s.p, &fold, NULL, NULL, NULL, NULL, NULL));
   ck_assert(isinf(fold.friction) && isinf(fold.unique));
-}
-END_TEST
-
-int main(void) {
-  return RUN("fold", NULL, NULL, ONCE(one_slips), ONCE(matrices_are_counted), ONCE(two_slip),
-             ONCE(one_sticks), ONCE(the_search_ends), ONCE(unsymmetric), ONCE(what_is_refused),
-             ONCE(one_contact_in_space), ONCE(two_contacts_in_space), ONCE(brackets_in_space));
 }

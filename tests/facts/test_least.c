@@ -4,15 +4,8 @@
  * Rigid bodies held by more contacts than determine their reactions: tables, an arch, a wall.
  * Solved by hand, or by every method and in two orders of the contacts.
  */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "delassus/solve.h"
-#include "delassus/trust.h"
-#include "errors.h"
-#include "malloc_fails.h"
+#include "delassus.h"
+#include "made.h"
 #include "run.h"
 
 static const double pi = 3.141592653589793;
@@ -159,9 +152,7 @@ static void wall(scene *s, int rows) {
 
 static dls_status solve_for(const dls_contact *p, dls_method method, dls_forces forces, double *r,
                             dls_info *info) {
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = method;
+  dls_solver_settings settings = settings_with(method, default_tol);
   settings.forces = forces;
   return dls_solve(p, &settings, r, NULL, info, NULL);
 }
@@ -180,7 +171,7 @@ static double apart(int m, const double *r, const double *x) {
 
 /* Four and eight legs carry a fourth and an eighth each, without friction. With the load at (e, e)
  * a leg at (x, y) carries 1 / legs (1 + e x + e y), sum x^2 = legs being that of a circle. */
-START_TEST(legs_by_hand) {
+TEST_EACH(legs_by_hand, 0, 4) {
   static scene s;
   static const int legs[] = {4, 8, 4, 8};
   const double e = _i < 2 ? 0 : 0.2;
@@ -200,11 +191,10 @@ START_TEST(legs_by_hand) {
   ck_assert_int_eq(dls_contact_freedom(&s.p_, r, &freedom, NULL), DLS_OK);
   ck_assert_int_eq(freedom, 3 * legs[_i] - 6);
 }
-END_TEST
 
 /* A load at (0.7, 0.7): r = (1 + .7 x + .7 y) / 4 would pull at (-1, -1), which carries nothing:
  * the other three are determined, .7, .15, .15. */
-START_TEST(a_leg_without_load) {
+TEST(a_leg_without_load) {
   static scene s;
   double r[12];
   dls_info info;
@@ -218,15 +208,13 @@ START_TEST(a_leg_without_load) {
     ck_assert_double_eq_tol(r[3 * c], expected, 1e-8);
   }
 }
-END_TEST
 
 /* A block of weight 1 between two walls, mu = 1/4: any r_n >= 2 holds it. The least has r_n = 2 and
  * r_t = 1/2, on the cones. Started from r_n = 10: without that it may fall. */
-START_TEST(a_grip) {
+TEST(a_grip) {
   static scene s;
   double r[4] = {10, 0, 10, 0};
   dls_info info;
-  dls_solver_settings settings;
   s = (scene){.d = 2};
   add_body(&s, 0, 0, 0, 1, 1);
   add_contact(&s, -1, 0, -1, 0, 0, 1, 0, 0.25);
@@ -234,7 +222,7 @@ START_TEST(a_grip) {
   form(&s, NULL);
   r[1] = -0.5; /* t is (ny, -nx) */
   r[3] = 0.5;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   settings.limits.warm_start = 1;
   settings.forces = DLS_FORCES_LEAST;
   ck_assert_int_eq(dls_solve(&s.p_, &settings, r, NULL, &info, NULL), DLS_OK);
@@ -242,12 +230,11 @@ START_TEST(a_grip) {
   const double expected[4] = {2, -0.5, 2, 0.5};
   ck_assert_double_le(apart(4, r, expected), 1e-8);
 }
-END_TEST
 
 /* A block slides on three feet at x = -1, 0, 1, its centre 1/2 above: r_t = -mu r_n, the moment of
  * friction mu / 2 = sum x r_n. w = (2 + x^2 + 1/4) / 2, and the least r has w r_n = a + b x, which
  * is r_n = a / w + x mu / 4, a = 1 / sum 1 / w. */
-START_TEST(sliding_feet) {
+TEST(sliding_feet) {
   static scene s;
   double r[6], u[6];
   dls_info info;
@@ -258,47 +245,40 @@ START_TEST(sliding_feet) {
   for (int k = -1; k <= 1; k++)
     add_contact(&s, -1, 0, k, 0, 0, 0, 1, mu);
   form(&s, NULL);
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   settings.forces = DLS_FORCES_LEAST;
   ck_assert_int_eq(dls_solve(&s.p_, &settings, r, u, &info, NULL), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
   for (int c = 0; c < 3; c++) {
     const double w[3] = {1.625, 1.125, 1.625}, a = 1 / (2 / w[0] + 1 / w[1]);
-    ck_assert_double_eq_tol(r[2 * c], a / w[c] + (c - 1) * mu / 4, 1e-8);
-    ck_assert_double_eq_tol(r[2 * c + 1], -mu * r[2 * c], 1e-8);
+    assert_near(r + 2 * c, (double[]){a / w[c] + (c - 1) * mu / 4, -mu * r[2 * c]}, 2, 1e-8);
     ck_assert_double_eq_tol(u[2 * c + 1], 1 - mu, 1e-8);
   }
   int freedom;
   ck_assert_int_eq(dls_contact_freedom(&s.p_, r, &freedom, NULL), DLS_OK);
   ck_assert_int_eq(freedom, 1);
 }
-END_TEST
 
 /* A table of eight legs slides: r_t = -mu r_n along x. Friction tips it by mu, as its centre is 1
  * above the feet: r_n = (1 + mu x) / 8. */
-START_TEST(sliding_table) {
+TEST(sliding_table) {
   static scene s;
   double r[24], u[24];
   dls_info info;
   int freedom;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   settings.forces = DLS_FORCES_LEAST;
   table(&s, 8, 0.9, 0, 0);
   form(&s, NULL);
   ck_assert_int_eq(dls_solve(&s.p_, &settings, r, u, &info, NULL), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
   for (int c = 0; c < 8; c++) {
-    ck_assert_double_eq_tol(r[3 * c], (1 + 0.5 * s.point[c][0]) / 8, 1e-8);
-    ck_assert_double_eq_tol(r[3 * c + 1], -0.5 * r[3 * c], 1e-8);
-    ck_assert_double_eq_tol(r[3 * c + 2], 0, 1e-8);
+    assert_near(r + 3 * c, (double[]){(1 + 0.5 * s.point[c][0]) / 8, -0.5 * r[3 * c], 0}, 3, 1e-8);
     ck_assert_double_eq_tol(u[3 * c + 1], 0.4, 1e-8);
   }
   ck_assert_int_eq(dls_contact_freedom(&s.p_, r, &freedom, NULL), DLS_OK);
   ck_assert_int_ge(freedom, 5);
 }
-END_TEST
 
 /* ---- every method, in two orders ------------------------------------------------------------- */
 
@@ -324,7 +304,7 @@ static void make_scene(scene *s, int k) {
 /* The least forces do not depend on method and order. With r' what the method gives, the sum of
  * w r.(r' - r) is >= 0: for all r' of the same positions, a convex set, that is the condition for
  * the least. */
-START_TEST(methods_and_orders) {
+TEST_EACH(methods_and_orders, 0, 4) {
   static const dls_method method[] = {DLS_AUTO, DLS_NLGS, DLS_NEWTON, DLS_ADMM,
                                       DLS_AUGMENTED_LAGRANGIAN};
   static scene s[2];
@@ -366,15 +346,13 @@ START_TEST(methods_and_orders) {
     ck_assert_double_eq_tol(first[2 * c], first[2 * mirror], 1e-6 * fabs(first[2 * c]) + 1e-9);
   }
 }
-END_TEST
 
 /* A second way, where no least reaction is on its cone: W + eps diag(w), eps = 1e-8, has one
  * answer, the least one to first order of eps. */
-START_TEST(beside_regularised) {
+TEST_EACH(beside_regularised, 0, 2) {
   static scene s;
   static double r[most_m], x[most_m];
   dls_info info;
-  dls_solver_settings settings;
   make_scene(&s, _i);
   form(&s, NULL);
   const int m = s.d * s.nc;
@@ -386,15 +364,13 @@ START_TEST(beside_regularised) {
     for (int i = s.d * c; i < s.d * (c + 1); i++)
       s.W[i * (m + 1)] += 1e-8 * w;
   }
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-11;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-11);
   ck_assert_int_eq(dls_solve(&s.p_, &settings, x, NULL, &info, NULL), DLS_OK);
   ck_assert_double_le(apart(m, r, x), 1e-5);
 }
-END_TEST
 
 /* Other units, a factor of 1e6 on lengths and 1e-3 on forces: the same. */
-START_TEST(units) {
+TEST_EACH(units, 0, 4) {
   static scene s;
   static double r[most_m], x[most_m];
   dls_info info;
@@ -412,10 +388,9 @@ START_TEST(units) {
   ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
   ck_assert_double_le(apart(m, x, r), 1e-6);
 }
-END_TEST
 
 /* By blocks and of bodies: the same. */
-START_TEST(storages) {
+TEST_EACH(storages, 0, 4) {
   static scene s;
   static double r[3][most_m];
   dls_info info;
@@ -436,16 +411,13 @@ START_TEST(storages) {
     ck_assert_int_eq(freedom[0], freedom[1]);
   }
 }
-END_TEST
 
 /* A solver that is used again, and a batch, give the same bits as one call. */
-START_TEST(solver_and_batch) {
+TEST(solver_and_batch) {
   static scene s, t;
   double r[3][24], *const of[1] = {r[2]};
   dls_info info;
-  dls_solver *solver;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   settings.forces = DLS_FORCES_LEAST;
   settings.method = DLS_NLGS; /* auto may allocate */
   table(&s, 8, 0.2, 0.1, 0.3);
@@ -453,7 +425,7 @@ START_TEST(solver_and_batch) {
   form(&s, NULL);
   form(&t, NULL);
   ck_assert_int_eq(dls_solve(&s.p_, &settings, r[0], NULL, &info, NULL), DLS_OK);
-  ck_assert_int_eq(dls_solver_create(&solver, 3, 8, &settings, NULL), DLS_OK);
+  dls_solver *solver = solver_of(3, 8, &settings);
   malloc_fails_at(0);
   const dls_status one = dls_solver_solve(solver, &t.p_, r[1], NULL, &info, NULL);
   const dls_status two = dls_solver_solve(solver, &s.p_, r[1], NULL, &info, NULL);
@@ -465,11 +437,10 @@ START_TEST(solver_and_batch) {
   ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
   ck_assert_int_eq(memcmp(r[0], r[2], sizeof r[0]), 0);
 }
-END_TEST
 
 /* ---- what is left as it is ------------------------------------------------------------------- */
 
-START_TEST(left_as_it_is) {
+TEST(left_as_it_is) {
   static scene s;
   double r[12], any[12];
   dls_info info;
@@ -484,29 +455,24 @@ START_TEST(left_as_it_is) {
   ck_assert_int_eq(solve_for(&s.p_, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
   ck_assert_int_eq(info.forces, DLS_FORCES_ANY);
 }
-END_TEST
 
-START_TEST(nothing_wrong) {
+TEST(nothing_wrong) {
   static scene s;
   double r[12] = {0};
   int freedom = -7;
-  dls_error e;
-  dls_solver_settings settings;
-  const char *const name = "dls_contact_freedom";
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   settings.forces = (dls_forces)2;
   table(&s, 4, 0, 0, 0);
   form(&s, NULL);
-  expect_error(dls_solve(&s.p_, &settings, r, NULL, NULL, &e), &e, DLS_E_ARGUMENT, "dls_solve",
-               "forces", -1);
+  REFUSES(ARGUMENT, "forces", -1, dls_solve, &s.p_, &settings, r, NULL, NULL);
   settings.forces = DLS_FORCES_LEAST;
   MALLOCS_FAIL((memset(r, 0, sizeof r), dls_solve(&s.p_, &settings, r, NULL, NULL, NULL)), 1,
                DLS_OK, 3);
-  expect_error(dls_contact_freedom(NULL, r, &freedom, &e), &e, DLS_E_ARGUMENT, name, "problem", -1);
-  expect_error(dls_contact_freedom(&s.p_, NULL, &freedom, &e), &e, DLS_E_ARGUMENT, name, "r", -1);
-  expect_error(dls_contact_freedom(&s.p_, r, NULL, &e), &e, DLS_E_ARGUMENT, name, "freedom", -1);
+  REFUSES(ARGUMENT, "problem", -1, dls_contact_freedom, NULL, r, &freedom);
+  REFUSES(ARGUMENT, "r", -1, dls_contact_freedom, &s.p_, NULL, &freedom);
+  REFUSES(ARGUMENT, "freedom", -1, dls_contact_freedom, &s.p_, r, NULL);
   r[1] = NAN;
-  expect_error(dls_contact_freedom(&s.p_, r, &freedom, &e), &e, DLS_E_NOT_FINITE, name, "r", 1);
+  REFUSES(NOT_FINITE, "r", 1, dls_contact_freedom, &s.p_, r, &freedom);
   ck_assert_int_eq(freedom, -7);
   r[1] = 0;
   MALLOCS_FAIL(dls_contact_freedom(&s.p_, r, &freedom, NULL), freedom == -7, DLS_OK, 1);
@@ -514,12 +480,4 @@ START_TEST(nothing_wrong) {
   const dls_contact nothing = {.d = 2};
   ck_assert_int_eq(dls_contact_freedom(&nothing, r, &freedom, NULL), DLS_OK);
   ck_assert_int_eq(freedom, 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("least", NULL, NULL, EACH(legs_by_hand, 0, 4), ONCE(a_leg_without_load), ONCE(a_grip),
-             ONCE(sliding_feet), ONCE(sliding_table), EACH(methods_and_orders, 0, 4),
-             EACH(beside_regularised, 0, 2), EACH(units, 0, 4), EACH(storages, 0, 4),
-             ONCE(solver_and_batch), ONCE(left_as_it_is), ONCE(nothing_wrong));
 }

@@ -4,22 +4,16 @@
  *
  *   test_proof print COUNT    prints so many verdicts with their proofs for tests/exact_farkas.py
  */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "contact/exact.h"
-#include "delassus/lcp.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "lcp/lcp_internal.h"
+#include "made.h"
 #include "run.h"
 
 /* ---- random problems ------------------------------------------------------------------------- */
 
-enum { largest = 8 };
+enum { most_rows = 8 };
 
 static int whole(int from, int to) {
   return from + (int)((uniform() + 1) / 2 * (to - from + 1) * 0.999999);
@@ -27,15 +21,15 @@ static int whole(int from, int to) {
 
 typedef struct lcp_case {
   int n;
-  double M[largest * largest], q[largest], z[largest], v[largest];
+  double M[most_rows * most_rows], q[most_rows], z[most_rows], v[most_rows];
   dls_lcp lcp;
 } lcp_case;
 
 /* Small whole numbers; times 1/10, 1/7 or factors of rows and columns, rounded, if unit is 1, 2, 3.
  */
 static void draw_lcp(lcp_case *a, int unit) {
-  const int n = a->n = whole(2, largest), wide = whole(1, 3);
-  double row[largest], column[largest];
+  const int n = a->n = whole(2, most_rows), wide = whole(1, 3);
+  double row[most_rows], column[most_rows];
   for (int i = 0; i < n; i++) {
     row[i] = unit == 3 ? exp(4 * uniform()) : unit == 2 ? 1. / 7 : unit == 1 ? .1 : 1;
     column[i] = unit == 3 ? exp(4 * uniform()) : 1;
@@ -63,7 +57,7 @@ static dls_status proof_of_lcp(lcp_case *a, int crash, double tol) {
   ck_assert_int_eq(dls_lcp_certify(&a->lcp, a->z, NULL, &c, NULL), DLS_OK);
   ck_assert_int_eq(status == DLS_OK, dls_lcp_certificate_holds(&c, tol));
   if (status == DLS_NO_SOLUTION) {
-    double scratch[largest], kept[largest];
+    double scratch[most_rows], kept[most_rows];
     ck_assert_int_eq(dls_lemke_farkas(work, a->v, NULL), DLS_OK);
     memcpy(kept, a->v, sizeof kept);
     ck_assert_int_eq(dlsi_lcp_find_proof(&a->lcp, a->v, scratch), 1);
@@ -99,13 +93,10 @@ static void draw_contact(model *a, int d, int unit) {
 /* v (nc) := what the solver says after its status, which is returned. Asserts that a proof holds
  * exactly, and that there is one exactly after DLS_NO_SOLUTION. */
 static dls_status proof_of_contact(const model *a, dls_method method, double *v) {
-  dls_solver_settings settings;
-  dls_solver *solver;
   dls_info info;
   double r[most];
-  dls_solver_settings_init(&settings);
-  settings.method = method;
-  ck_assert_int_eq(dls_solver_create(&solver, a->p.d, a->p.nc, &settings, NULL), DLS_OK);
+  dls_solver_settings settings = settings_with(method, default_tol);
+  dls_solver *solver = solver_of(a->p.d, a->p.nc, &settings);
   ck_assert_ptr_null(dls_solver_farkas(solver));
   const dls_status status = dls_solver_solve(solver, &a->p, r, NULL, &info, NULL);
   ck_assert_int_ge(status, 0);
@@ -139,7 +130,7 @@ static int sign_of(int n, double terms[][3]) {
   return sign;
 }
 
-START_TEST(sums_are_exact) {
+TEST(sums_are_exact) {
   const double tiny = 0x1p-1074, huge = 0x1.fffffffffffffp1023, e = 0x1p-52;
   ck_assert_int_eq(sign_of(0, NULL), 0);
   ck_assert_int_eq(sign_of(1, (double[][3]){{tiny, tiny, tiny}}), 1);
@@ -153,7 +144,6 @@ START_TEST(sums_are_exact) {
   ck_assert_int_eq(
       sign_of(4, (double[][3]){{1 + e, 1 - e, 1}, {-1, 1, 1}, {e, e, 1}, {tiny, tiny, 1}}), 1);
 }
-END_TEST
 
 /* One candidate with g = v (-n, t, s), mu = m: g_n + mu |g_t| <= 0 is decided without rounding, and
  * alike for the least, the largest and any other v, with squares from 2^-6444 on. */
@@ -167,7 +157,7 @@ static int round_cone(double n, double t, double s, double m) {
   return holds;
 }
 
-START_TEST(the_round_cone_is_exact) {
+TEST(the_round_cone_is_exact) {
   const double e = 0x1p-52, tiny = 0x1p-1074, huge = 0x1p1023;
   ck_assert_int_eq(round_cone(5, 3, 4, 1), 1);
   ck_assert_int_eq(round_cone(5 * (1 - e), 3, 4, 1), 0);
@@ -181,7 +171,6 @@ START_TEST(the_round_cone_is_exact) {
   ck_assert_int_eq(round_cone(huge, huge, tiny, 1), 0);
   ck_assert_int_eq(round_cone(huge, huge, 0, 1), 1);
 }
-END_TEST
 
 /* ---- vectors near a proof -------------------------------------------------------------------- */
 
@@ -195,7 +184,7 @@ static int is_never(const void *none, const double *v) {
   return v[0] < 0;
 }
 
-START_TEST(whole_numbers_are_found) {
+TEST(whole_numbers_are_found) {
   const double root2 = sqrt(2);
   double v[4] = {3. / 7, 1. / 7 * (1 + 1e-15), 1e-15, 1}, work[4];
   ck_assert_int_eq(dlsi_find_exact(4, v, work, is_third, NULL), 1);
@@ -208,13 +197,12 @@ START_TEST(whole_numbers_are_found) {
   ck_assert_int_eq(dlsi_find_exact(2, none, work, is_third, NULL), 0);
   ck_assert_int_eq(dlsi_find_exact(2, bad, work, is_never, NULL), 0);
 }
-END_TEST
 
 /* ---- LCPs ------------------------------------------------------------------------------------ */
 
 /* Of 2000 LCPs of whole numbers and 2000 of rounded ones: neither start says that there is no
  * solution where the other one has it. */
-START_TEST(crash_and_path_agree) {
+TEST(crash_and_path_agree) {
   int proved = 0, solved = 0, alone = 0;
   static lcp_case a;
   set_seed(15);
@@ -231,10 +219,9 @@ START_TEST(crash_and_path_agree) {
   ck_assert_int_gt(solved, 400);
   ck_assert_int_eq(alone, 0);
 }
-END_TEST
 
 /* tol = 0: proof_of_lcp asserts that DLS_OK is what the certificate says */
-START_TEST(tolerance_zero_is_kept) {
+TEST(tolerance_zero_is_kept) {
   int solved = 0;
   static lcp_case a;
   set_seed(16);
@@ -244,12 +231,11 @@ START_TEST(tolerance_zero_is_kept) {
   }
   ck_assert_int_gt(solved, 400);
 }
-END_TEST
 
 /* ---- contact problems ------------------------------------------------------------------------ */
 
 /* y_0 + y_1 = -2 + e z_1: no solution for e = 0, and positive definite for e > 0 */
-START_TEST(positive_definite_is_never_refuted) {
+TEST(positive_definite_is_never_refuted) {
   for (int k = 0; k <= 50; k++) {
     model a;
     double v[2];
@@ -272,10 +258,9 @@ START_TEST(positive_definite_is_never_refuted) {
     }
   }
 }
-END_TEST
 
 /* proof_of_contact asserts that each proof holds; here: proofs are found, no answer beside one. */
-START_TEST(contact_proofs_hold) {
+TEST(contact_proofs_hold) {
   int proved[4] = {0}, round = 0, rays = 0;
   set_seed(17);
   for (int k = 0; k < 3000; k++) {
@@ -296,9 +281,8 @@ START_TEST(contact_proofs_hold) {
   ck_assert_int_gt(round, 20);
   ck_assert_int_gt(rays, 20);
 }
-END_TEST
 
-START_TEST(farkas_is_given_only_then) {
+TEST(farkas_is_given_only_then) {
   dls_solver *solver;
   model a;
   double r[2];
@@ -306,9 +290,7 @@ START_TEST(farkas_is_given_only_then) {
   set_model(&a, 2, 1);
   a.q[0] = -1; /* W = 0 */
   for (dls_method method = DLS_AUTO; dls_method_name(method); method++) {
-    dls_solver_settings settings;
-    dls_solver_settings_init(&settings);
-    settings.method = method;
+    dls_solver_settings settings = settings_with(method, default_tol);
     ck_assert_int_eq(dls_solver_create(&solver, 2, 1, &settings, NULL), DLS_OK);
     ck_assert_ptr_null(dls_solver_farkas(solver));
     const dls_status status = dls_solver_solve(solver, &a.p, r, NULL, NULL, NULL);
@@ -322,7 +304,6 @@ START_TEST(farkas_is_given_only_then) {
     dls_solver_destroy(solver);
   }
 }
-END_TEST
 
 /* ---- print ----------------------------------------------------------------------------------- */
 
@@ -363,15 +344,11 @@ START_TEST(print_verdicts) {
     }
   }
 }
-END_TEST
 
 int main(int argc, char **argv) {
   if (argc == 3 && !strcmp(argv[1], "print")) {
     verdicts = atoi(argv[2]);
-    return RUN("proof", NULL, NULL, ONCE(print_verdicts));
+    return run_alone(print_verdicts, 0, 1);
   }
-  return RUN("proof", NULL, NULL, ONCE(sums_are_exact), ONCE(the_round_cone_is_exact),
-             ONCE(whole_numbers_are_found), ONCE(crash_and_path_agree),
-             ONCE(tolerance_zero_is_kept), ONCE(positive_definite_is_never_refuted),
-             ONCE(contact_proofs_hold), ONCE(farkas_is_given_only_then));
+  return run_tests("proof", NULL, NULL);
 }

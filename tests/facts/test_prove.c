@@ -9,19 +9,9 @@
  * judges so many problems of either kind and prints how many proofs there are, and how many are
  * wrong.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "delassus/solve.h"
-#include "delassus/trust.h"
-#include "errors.h"
+#include "delassus.h"
 #include "failures.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 enum { most_nc = 3, size = 2 * most_nc };
@@ -291,7 +281,7 @@ static void judge_planted(int i, tally *t) {
 
 enum { integers = 3000, planted = 1500 };
 
-START_TEST(proofs_of_integers) {
+TEST(proofs_of_integers) {
   tally t = {0};
   for (int i = 0; i < integers; i++)
     judge_integers(i, &t);
@@ -300,9 +290,8 @@ START_TEST(proofs_of_integers) {
   ck_assert_int_gt(t.regular, integers / 3);
   ck_assert_int_gt(t.without, integers / 100);
 }
-END_TEST
 
-START_TEST(proofs_of_planted) {
+TEST(proofs_of_planted) {
   tally t = {0};
   for (int i = 0; i < planted; i++)
     judge_planted(i, &t);
@@ -310,7 +299,6 @@ START_TEST(proofs_of_planted) {
   ck_assert_int_eq(t.missed, 0);
   ck_assert_int_eq(t.regular, planted);
 }
-END_TEST
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
@@ -321,7 +309,7 @@ static dls_proof prove(const dls_contact *p, const double *r, double *improved) 
 }
 
 /* W = 1, q = (-1, t), mu = 1/2: sticks with r = (1, -t) for |t| < 1/2, slips beyond. */
-START_TEST(border_of_one) {
+TEST_EACH(border_of_one, 0, 3) {
   static model a;
   static const double t[] = {0.25, 0.5, 0.75};
   set_model(&a, 2, 1);
@@ -337,10 +325,9 @@ START_TEST(border_of_one) {
   ck_assert(_i != 1 || proof.state + proof.other == DLS_STICK + DLS_SLIP);
   ck_assert_int_eq(proof.rows, _i == 2 ? 1 : 2);
 }
-END_TEST
 
 /* A contact that touches without force, one that leaves: the borders of free. */
-START_TEST(border_of_free) {
+TEST(border_of_free) {
   static model a;
   set_model(&a, 1, 2);
   a.W[0] = a.W[3] = 1;
@@ -352,11 +339,10 @@ START_TEST(border_of_free) {
   ck_assert_int_eq(proof.contact, 1);
   ck_assert(proof.state == DLS_FREE || proof.other == DLS_FREE);
 }
-END_TEST
 
 /* Four legs of a table under its weight: W = H^T H with the three motions that its legs feel, a
  * sum of forces that is determined to rounding, one self-stress. */
-START_TEST(four_legs) {
+TEST(four_legs) {
   static model a;
   static const double H[3][4] = {{1, 1, 1, 1}, {1, -1, 1, -1}, {1, 1, -1, -1}};
   double r[4] = {0.75, 0.25, 0.25, 0.75}, improved[4];
@@ -379,13 +365,12 @@ START_TEST(four_legs) {
   ck_assert_int_eq(prove(&a.p, r, improved).kind, DLS_PROVED_POSITIONS);
   ck_assert_double_le(fabs(improved[0] + improved[1] + improved[2] + improved[3] - 2), 1e-14);
 }
-END_TEST
 
 /* One contact, W = diag(1, 1, 1/100), mu = 1, q = (-1, -1.05, 0): slips with r = (1, 1, 0). Where
  * r_t is turned by psi, the law across it is sin(psi) (1.05 - 0.99 cos(psi)) over a cosine. Its
  * slope is 0.06 at the answer, three times that at psi = 0.3: steps by the slope of their start
  * stop far from it, and a proof has to know by how much slopes change in its box ((PR4), B). */
-START_TEST(turned_slip) {
+TEST(turned_slip) {
   static model a;
   static const double answer[3] = {1, 1, 0};
   int proofs = 0;
@@ -407,23 +392,23 @@ START_TEST(turned_slip) {
   }
   ck_assert_int_ge(proofs, 40);
 }
-END_TEST
 
 /* By blocks, of bodies, in other units and with contacts in another order: the same verdict, and
  * radii within a factor of 4. */
-START_TEST(storages_and_units) {
+TEST_EACH(storages_and_units, 0, 18) {
+  const int number = _i < 12 ? _i : _i + 88;
   static model a, b;
   static block_storage B;
   static bodies_storage S;
   dls_contact other;
   double r[most], mirrored[most], improved[2][most];
-  if (_i < 100) numbered_model(&a, _i);
-  if (_i >= 100) bodies_model(&a, &S, &other, _i);
+  if (number < 100) numbered_model(&a, number);
+  if (number >= 100) bodies_model(&a, &S, &other, number);
   const int m = a.p.d * a.p.nc;
   dls_info info;
   ck_assert_int_eq(dls_solve(&a.p, NULL, r, NULL, &info, NULL), DLS_OK);
   const dls_proof one = prove(&a.p, r, improved[0]);
-  if (_i < 100) other = by_blocks(&a, &B);
+  if (number < 100) other = by_blocks(&a, &B);
   for (int turn = 0; turn < 3; turn++) {
     memcpy(mirrored, r, sizeof r);
     if (turn == 1) {
@@ -445,10 +430,9 @@ START_TEST(storages_and_units) {
   ck_assert_int_eq(one.kind, DLS_PROVED);
   ck_assert_double_le(one.radius, 1e-12);
 }
-END_TEST
 
 /* A rigid box at rest on two corners: u = 0, and the bound on u is relative to q. */
-START_TEST(positions_of_a_body_at_rest) {
+TEST(positions_of_a_body_at_rest) {
   static const double h[4][3] = {{0, 1, -0.5}, {1, 0, 0.5}, {0, 1, 0.5}, {1, 0, 0.5}};
   static const double f[3] = {0, -10, 0}, compliance[3] = {1, 1, 6}, mu[2] = {0.5, 0.5};
   double W[16] = {0}, q[4] = {0}, r[4];
@@ -467,11 +451,10 @@ START_TEST(positions_of_a_body_at_rest) {
   ck_assert_double_le(proof.radius_u, 1e-12);
   ck_assert_double_le(fabs(r[0] + r[2] - 10), 1e-7);
 }
-END_TEST
 
 /* The catalogue: a proof is of a solution that the file lists, and there is none of a problem
  * without one, from any r. */
-START_TEST(proofs_of_the_catalogue) {
+TEST(proofs_of_the_catalogue) {
   int count, proofs = 0;
   const failure *f = contact_failures(&count);
   for (int k = 0; k < count; k++) {
@@ -498,11 +481,10 @@ START_TEST(proofs_of_the_catalogue) {
   }
   ck_assert_int_ge(proofs, count);
 }
-END_TEST
 
 /* W = (1 -1; -1 1 + 1e-13) is definite: the certificate cannot tell, the proof can, and auto asks
  * for it. */
-START_TEST(nearly_singular) {
+TEST(nearly_singular) {
   static model a;
   double r[2];
   dls_info info;
@@ -517,11 +499,10 @@ START_TEST(nearly_singular) {
   const double answer = 2 / (a.W[3] - 1);
   ck_assert_double_le(fabs(r[1] - answer), proof.radius * answer * 2);
 }
-END_TEST
 
 /* W from 1e-300 to 1e300 and forces as far apart: the box of a proof may overflow. Each call ends,
  * and what it proves is the answer. */
-START_TEST(beyond_the_range_of_numbers) {
+TEST(beyond_the_range_of_numbers) {
   static model a;
   int proved = 0;
   for (int i = -300; i <= 300; i += 50)
@@ -542,21 +523,17 @@ START_TEST(beyond_the_range_of_numbers) {
       }
   ck_assert_int_gt(proved, 200);
 }
-END_TEST
 
-START_TEST(nothing_wrong) {
+TEST(nothing_wrong) {
   double W[4] = {4, 0, 0, 1}, q[2] = {-4, -0.25}, mu[1] = {0.5}, r[2] = {1, 0.25};
   double improved[2] = {7, 7};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_proof proof = {.rows = -7};
-  dls_error e;
-  const char *const name = "dls_contact_prove";
-  expect_error(dls_contact_prove(NULL, r, &proof, NULL, &e), &e, DLS_E_ARGUMENT, name, "problem",
-               -1);
-  expect_error(dls_contact_prove(&p, NULL, &proof, NULL, &e), &e, DLS_E_ARGUMENT, name, "r", -1);
-  expect_error(dls_contact_prove(&p, r, NULL, NULL, &e), &e, DLS_E_ARGUMENT, name, "proof", -1);
+  REFUSES(ARGUMENT, "problem", -1, dls_contact_prove, NULL, r, &proof, NULL);
+  REFUSES(ARGUMENT, "r", -1, dls_contact_prove, &p, NULL, &proof, NULL);
+  REFUSES(ARGUMENT, "proof", -1, dls_contact_prove, &p, r, NULL, NULL);
   r[1] = NAN;
-  expect_error(dls_contact_prove(&p, r, &proof, improved, &e), &e, DLS_E_NOT_FINITE, name, "r", 1);
+  REFUSES(NOT_FINITE, "r", 1, dls_contact_prove, &p, r, &proof, improved);
   r[1] = 0.25;
   MALLOCS_FAIL(dls_contact_prove(&p, r, &proof, improved, NULL),
                proof.rows == -7 && improved[0] == 7, DLS_OK, 3);
@@ -565,7 +542,6 @@ START_TEST(nothing_wrong) {
   ck_assert_int_eq(dls_contact_prove(&nothing, r, &proof, improved, NULL), DLS_OK);
   ck_assert_int_eq(proof.kind, DLS_PROVED);
 }
-END_TEST
 
 static int count; /* of the command line */
 
@@ -583,16 +559,11 @@ START_TEST(counted) {
   (void)fflush(stdout);
   ck_assert_int_eq(t[0].wrong + t[1].wrong, 0);
 }
-END_TEST
 
 int main(int argc, char **argv) {
   if (argc > 1) {
     count = atoi(argv[1]);
-    return RUN("prove", NULL, NULL, ONCE(counted));
+    return run_alone(counted, 0, 1);
   }
-  return RUN("prove", NULL, NULL, ONCE(proofs_of_integers), ONCE(proofs_of_planted),
-             EACH(border_of_one, 0, 3), ONCE(border_of_free), ONCE(four_legs),
-             ONCE(positions_of_a_body_at_rest), ONCE(turned_slip), EACH(storages_and_units, 0, 12),
-             EACH(storages_and_units, 100, 106), ONCE(proofs_of_the_catalogue),
-             ONCE(nearly_singular), ONCE(beyond_the_range_of_numbers), ONCE(nothing_wrong));
+  return run_tests("prove", NULL, NULL);
 }

@@ -1,6 +1,4 @@
 /* test_sensitivity.c: the matrices of the predicted error by hand, borders between states. */
-#include <check.h>
-#include <math.h>
 
 #include "cases.h"
 #include "delassus/contact.h"
@@ -37,7 +35,7 @@ static void set_load(int m, const double *W, const double *r, const double *u, d
 
 /* Candidate 0 slips with mu = 3/4, E = (4/5, -3/5), candidate 1 has no friction:
  * A = (4 4/5 - 2 3/5, 1; 1/2 4/5 + 3/5, 3) = (2 1; 1 3); by w_n = (4, 3) A' = (1/2 1/4; 1/3 1). */
-START_TEST(slip_beside_no_friction) {
+TEST(slip_beside_no_friction) {
   const double W[16] = {4, 1, 0.5, 7, 2, 4, -1, -7, 1, -5, 3, 2, 9, 8, -6, 1};
   const double r[4] = {1, -0.75, 2, 0}, u[4] = {0, 0.5, 0, 3}, mu[2] = {0.75, 0};
   double q[4];
@@ -53,11 +51,10 @@ START_TEST(slip_beside_no_friction) {
   const double by_u = s.amplification * fmax(c.residual_u, c.floor_u);
   ck_assert(s.error == fmin(by_u, s.amplification_r * fmax(c.residual_r, c.floor_r)));
 }
-END_TEST
 
 /* 3D, W = diag(4, 1, 1), w = (4, 1), mu = 3/4, r_t = 3/4 (3/5, 4/5) and |u_t| = 3/8 against it:
  * along the cone A = 4 4/5, across it 1 + |u_t| / |r_t| = 3/2; turned into each quarter. */
-START_TEST(slip_in_3d) {
+TEST(slip_in_3d) {
   const double W[9] = {4, 0, 0, 0, 1, 0, 0, 0, 1}, mu[1] = {0.75};
   for (int turn = 0; turn < 4; turn++) {
     const double e[2] = {turn & 1 ? -0.6 : 0.6, turn & 2 ? -0.8 : 0.8};
@@ -72,11 +69,10 @@ START_TEST(slip_in_3d) {
     ck_assert(is_close(s.amplification_r, 1 / 0.8));
   }
 }
-END_TEST
 
 /* The other direction decides: W = diag(1, 4, 4): along the cone 4/5, across it 4 + 1/2; with
  * W_nt = 1/2, which the slip along (3/5, 4/5) feels as (1 - 1/2 3/4 3/5) 4/5. */
-START_TEST(slip_in_3d_along_the_cone) {
+TEST(slip_in_3d_along_the_cone) {
   double W[9] = {1, 0, 0, 0, 4, 0, 0, 0, 4}, mu[1] = {0.75}, q[3];
   const double r[3] = {1, 0.45, 0.6}, u[3] = {0, -0.225, -0.3};
   const dls_contact p = {.d = 3, .nc = 1, .W = {3, 3, 3, W}, .q = q, .mu = mu};
@@ -91,10 +87,9 @@ START_TEST(slip_in_3d_along_the_cone) {
   const double a = 0.8 * (1 - 0.5 * 0.45), b = 0.5 * 0.8;
   ck_assert(is_close(s.amplification, length_of(q, 3) / length_of(r, 3) / least_of(a, b, 0, 4.5)));
 }
-END_TEST
 
 /* The rank does not depend on the units: W = diag(1, 2^-80) has both rows, (1 1; 1 1) one. */
-START_TEST(rank_in_any_units) {
+TEST(rank_in_any_units) {
   for (int coupled = 0; coupled < 2; coupled++) {
     const double s = 0x1p-40, W[4] = {1, coupled * s, coupled * s, s * s};
     const double r[2] = {1, 1 / s}, u[2] = {0, 0}, mu[2] = {0, 0};
@@ -106,10 +101,9 @@ START_TEST(rank_in_any_units) {
     ck_assert(found.rows == 2 && found.rank == 2 - coupled);
   }
 }
-END_TEST
 
 /* W = v v': what rounding leaves of the other two singular values is no rank. */
-START_TEST(rank_one_but_for_rounding) {
+TEST(rank_one_but_for_rounding) {
   static const double v[3] = {1. / 3, .7, 1.9}, r[3] = {1, 2, 3}, u[3] = {0}, mu[3] = {0};
   double W[9], q[3];
   for (int k = 0; k < 9; k++)
@@ -120,7 +114,6 @@ START_TEST(rank_one_but_for_rounding) {
   ck_assert_int_eq(dls_contact_sensitivity(&p, r, &found, NULL), DLS_OK);
   ck_assert(found.rows == 3 && found.rank == 1);
 }
-END_TEST
 
 /* Counts candidates on a border; candidate 1 sticks with r = (1, 0), and is the measure. */
 static int borders(double mu, const double r[2], const double u[2]) {
@@ -136,7 +129,7 @@ static int borders(double mu, const double r[2], const double u[2]) {
 }
 
 /* Within 1e-6 of the largest w r and u: 2^-21 is, 2^-19 is not. */
-START_TEST(borders_between_states) {
+TEST(borders_between_states) {
   const double none[2] = {0, 0};
   for (int far = 0; far < 2; far++) {
     const double e = far ? 0x1p-19 : 0x1p-21;
@@ -149,11 +142,10 @@ START_TEST(borders_between_states) {
     ck_assert_int_eq(borders(0, (double[]){1, 0}, (double[]){0, e}), 0);
   }
 }
-END_TEST
 
 /* Springs 2^-20 as stiff as the body. An r with a residual of 6e-11 sticks, next to its cone; the
  * right one, 8 % away, slips by little. */
-START_TEST(error_beyond_the_cone) {
+TEST(error_beyond_the_cone) {
   static const double W[16] = {5242904,  -1572867, 5242893,  -1572860, -1572867, 1048614,
                                -1572848, 1048570,  5242893,  -1572848, 5242917,  -1572881,
                                -1572860, 1048570,  -1572881, 1048600};
@@ -173,7 +165,6 @@ START_TEST(error_beyond_the_cone) {
   dlsi_certificate_weights(&p, w);
   ck_assert_double_ge(dlsi_predict_error(&p, beside, w, J, x), 1e-3);
 }
-END_TEST
 
 /* Contact 0 carries 1. Contact 1, of W_11 = (1 s; s 1) and by itself, is on the border of states:
  * r = u = 0, or r = (1, side mu). Returns info.error as each method predicts it of this r. Slip has
@@ -193,7 +184,7 @@ static double error_at(double mu, double s, double side, double turn) {
 
 /* The reactions are determined while the determinants of stick, 1 - s^2, free, 1, and slip have one
  * sign, in any tangent frame. */
-START_TEST(one_sided_matrices) {
+TEST(one_sided_matrices) {
   for (int k = 0; k < 8; k++) {
     const double turn = 0.8 * k;
     ck_assert(fabs(error_at(1.5, 0.5, 0, turn)) <= 1e-14); /* apex: 1 - mu s = .25 */
@@ -210,11 +201,10 @@ START_TEST(one_sided_matrices) {
   dlsi_certificate_weights(&p, w);
   ck_assert(dlsi_predict_error(&p, r, w, J, x) == -1);
 }
-END_TEST
 
 /* The same at the apex of three rows of any W: det W, near 0, and with small friction the direction
  * that slips have one sign. By cofactors C of W, whose inverse is C^T / det W. */
-START_TEST(one_sided_in_three_rows) {
+TEST(one_sided_in_three_rows) {
   const double mu[2] = {1, 1e-6}, r[6] = {1};
   int kept[2] = {0, 0};
   set_seed(88172645463325252);
@@ -244,12 +234,11 @@ START_TEST(one_sided_in_three_rows) {
   }
   ck_assert_msg(kept[0] > 5 && kept[1] == 20, "%d and %d", kept[0], kept[1]);
 }
-END_TEST
 
 /* A contact alone that W does not determine: any r with r_n + r_t = 1. Each method says so, auto
  * too, which solves it without a workspace. Nor is r determined where contact 0 touches without a
  * reaction: another solution is 111 % away, W has the condition 110. */
-START_TEST(not_determined) {
+TEST(not_determined) {
   static const double W[4] = {1, 1, 1, 1}, q[2] = {-1, -1}, mu[2] = {0.7, 0};
   static const double W2[16] = {
       1.7416077026731358,   -0.72732761419728531, -0.2130459987990192,  -2.7520171230633594,
@@ -278,11 +267,10 @@ START_TEST(not_determined) {
   ck_assert_int_eq(dls_solve(&p2, NULL, r, NULL, &info, NULL), DLS_OK);
   ck_assert(info.error > 1 || fabs(r[0] - 1.6734339040379422) < 1e-10);
 }
-END_TEST
 
 /* W = (1 + e, 1; 1, 1 + e), e = 2^-30: rounding of 1e-16 in W r + q is an error of 1e-7 in r, also
  * where the residual is 0. r* = (-q_0 (1 + e) + q_1, ..) / (2 e + e^2) to 64 bits. */
-START_TEST(error_of_rounding) {
+TEST(error_of_rounding) {
   const double e = 0x1p-30, W[4] = {1 + e, 1, 1, 1 + e}, mu[2] = {0, 0};
   const dls_contact p = {.d = 1, .nc = 2, .W = {2, 2, 2, W}, .mu = mu};
   for (int k = 0; k < 60; k++) {
@@ -304,13 +292,12 @@ START_TEST(error_of_rounding) {
     ck_assert_double_le(info.error, 1e-6);
   }
 }
-END_TEST
 
 /* 15 bodies on springs 2^-20 as stiff as they are, 19 contacts each, without friction: more soft
  * directions than few rows may have. A residual of 1e-6 says nothing of how a body shares its load
  * among its contacts. auto goes on until r is right to
  * 100 tol. */
-START_TEST(many_bodies_on_soft_springs) {
+TEST(many_bodies_on_soft_springs) {
   enum { bodies = 15, each = 19, nc = bodies * each };
   static double W[nc * nc], right[nc], q[nc], u[nc], r[nc], mu[nc];
   for (int c = 0; c < nc; c++) {
@@ -330,13 +317,4 @@ START_TEST(many_bodies_on_soft_springs) {
     size += right[c] * right[c];
   }
   ck_assert_double_le(far, 1e-4 * size); /* 100 tol, relative */
-}
-END_TEST
-
-int main(void) {
-  return RUN("sensitivity", NULL, NULL, ONCE(slip_beside_no_friction), ONCE(slip_in_3d),
-             ONCE(slip_in_3d_along_the_cone), ONCE(rank_in_any_units),
-             ONCE(rank_one_but_for_rounding), ONCE(borders_between_states),
-             ONCE(one_sided_in_three_rows), ONCE(error_beyond_the_cone), ONCE(one_sided_matrices),
-             ONCE(not_determined), ONCE(error_of_rounding), ONCE(many_bodies_on_soft_springs));
 }

@@ -1,11 +1,6 @@
 /* test_states.c: all states of small contact problems by hand: the list, its order, and the result
  * of auto's search through them. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
-#include "delassus/solve.h"
-#include "delassus/trust.h"
+#include "delassus.h"
 #include "facts/facts.h"
 #include "run.h"
 
@@ -60,7 +55,7 @@ static const double three_r[3][2] = {{0, 0}, {2, -3}, {1, -2}};
 
 /* W_nn + mu W_nt = 0: r = 0 alone, u = (0, 1), and r = s (1, 1), s >= 1, u = (0, 1 - s). At r = 0
  * the candidate is free or slips to the left, at r = (1, 1) it sticks or slips to the right. */
-START_TEST(one_beside_a_ray) {
+TEST(one_beside_a_ray) {
   const double W[4] = {1, -2, -1, 1}, q[2] = {0, 1};
   for (int unit = -8; unit <= 8; unit += 8) { /* 2^unit: reactions in another unit */
     set_small(1);
@@ -82,11 +77,10 @@ START_TEST(one_beside_a_ray) {
   expect_set(1, 1, 4);
   ck_assert(r[0] == 0 && r[2] == 77 && low[2] == 77 && high[2] == 77);
 }
-END_TEST
 
 /* The same with q = (0, -1): the ray r = s (1, 1), s >= 0, u = (0, -1 - s), begins where the free
  * candidate slides as well. */
-START_TEST(a_ray_from_free) {
+TEST(a_ray_from_free) {
   for (int nc = 1; nc <= 2; nc++) {
     set_small(nc);
     for (int c = 0; c < nc; c++)
@@ -97,10 +91,9 @@ START_TEST(a_ray_from_free) {
       ck_assert(r[k] == 0 && low[k] == 0 && high[k] == INFINITY);
   }
 }
-END_TEST
 
 /* Beside a candidate with three solutions: three, then three rays, each with one of these. */
-START_TEST(three_beside_three_rays) {
+TEST(three_beside_three_rays) {
   set_small(2);
   set_candidate(0, (const double[]){1, -2, -1, 1}, (const double[]){0, 1}, 1);
   set_candidate(1, three_W, three_q, 2);
@@ -120,11 +113,10 @@ START_TEST(three_beside_three_rays) {
     ck_assert(r[4 * capacity] == 77 && low[4 * capacity] == 77 && high[4 * capacity] == 77);
   }
 }
-END_TEST
 
 /* W_tt = (1 1; 1 1), r_n = (1, 1), r_t = (s, -s) for -1 <= s <= 1 = mu: both stick, which is first
  * in the list of states; at either end one slips, or the other, or both. */
-START_TEST(two_supports_push_each_other) {
+TEST(two_supports_push_each_other) {
   set_small(2);
   for (int c = 0; c < 2; c++)
     set_candidate(c, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 1);
@@ -134,12 +126,11 @@ START_TEST(two_supports_push_each_other) {
   close_values(low, (const double[]){1, -1, 1, -1}, 4, 1, 1e-12);
   close_values(high, (const double[]){1, 1, 1, 1}, 4, 1, 1e-12);
 }
-END_TEST
 
 /* Two supports of a bar without friction, W_nn = (1 1; 1 1), q_n = -2: r_1 + r_2 = 2, either at
  * least 0; by states both press, or one alone with the other at its border. The forces of the
  * second one in another unit: r_1 + r_2 / 4 = 2. */
-START_TEST(two_supports_share_a_load) {
+TEST(two_supports_share_a_load) {
   const double W[4] = {1, 0, 0, 1}, q[2] = {-2, 0}, V[4] = {0.0625, 0, 0, 0.0625};
   const double other[2] = {-0.5, 0};
   for (int k = 0; k < 2; k++) {
@@ -154,11 +145,10 @@ START_TEST(two_supports_share_a_load) {
     ck_assert(r[4] == 77);
   }
 }
-END_TEST
 
 /* Three candidates apart with three solutions each, which are of 27 states; the first candidate's
  * state changes first, in the order free, sticks, slips. */
-START_TEST(solutions_of_three_apart) {
+TEST(solutions_of_three_apart) {
   set_small(3);
   for (int c = 0; c < 3; c++)
     set_candidate(c, three_W, three_q, 2);
@@ -173,11 +163,10 @@ START_TEST(solutions_of_three_apart) {
   ck_assert(r[6 * 27] == 77);
   ck_assert_int_eq(list_states(26), DLS_MAX_ITERATIONS);
 }
-END_TEST
 
 /* Beside one without friction, which is pressed, whose u_n = 0 at r = 0 as free and as slipping, or
  * which opens; in either order. Its u_t is no unknown, and its W_tt = -4 no matter. */
-START_TEST(a_candidate_without_friction) {
+TEST(a_candidate_without_friction) {
   static const double W[4] = {8, 3, 5, -4};
   for (int kind = 0; kind < 3; kind++)
     for (int c = 0; c < 2; c++) {
@@ -193,10 +182,9 @@ START_TEST(a_candidate_without_friction) {
       }
     }
 }
-END_TEST
 
 /* The mirror image t -> -t has the mirrored solutions, in any unit of W three. */
-START_TEST(either_side) {
+TEST(either_side) {
   for (int power = -40; power <= 40; power += 40) {
     const double w = ldexp(1, power), W[4] = {w, -w, -w, 2 * w}, q[2] = {1, -4};
     set_small(1);
@@ -208,10 +196,9 @@ START_TEST(either_side) {
                    1e-13);
   }
 }
-END_TEST
 
 /* A wedge on the border of the cone: r = (2, 2 mu) sticks and slips, one solution of two states. */
-START_TEST(border_between_two_states) {
+TEST(border_between_two_states) {
   const double W[4] = {4, 0, 0, 4}, q[2] = {-8, -4};
   for (int side = -1; side <= 1; side += 2) {
     set_small(1);
@@ -222,11 +209,10 @@ START_TEST(border_between_two_states) {
     close_values(r, (const double[]){2, side}, 2, 1, 1e-14);
   }
 }
-END_TEST
 
 /* No u_n >= 0 with W_nn = -1; u_n = -1 + r_n + 4 r_t < 0 where r_t has to be negative; and two
  * candidates of which one has three solutions: each is refuted. */
-START_TEST(no_solution_is_proved) {
+TEST(no_solution_is_proved) {
   static const double W[2][4] = {{-1, 0, 0, 1}, {1, 2, 2, 1}};
   static const double q[2][2] = {{-1, 0}, {-1, 1}};
   for (int k = 0; k < 2; k++)
@@ -239,10 +225,9 @@ START_TEST(no_solution_is_proved) {
       ck_assert(r[0] == 77);
     }
 }
-END_TEST
 
 /* u_n0 + u_n1 = -2 whatever r is: the sum of two rows refutes each choice of states. */
-START_TEST(no_solution_of_two_together) {
+TEST(no_solution_of_two_together) {
   for (int k = 0; k < 3; k++) {
     set_small(2);
     for (int c = 0; c < 2; c++)
@@ -252,11 +237,10 @@ START_TEST(no_solution_of_two_together) {
     expect_set(0, 0, 0);
   }
 }
-END_TEST
 
 /* W_nn = (1 -h; -h h^2) for h = 1 / 5, rounded up in h^2: u_n0 h + u_n1 = -h, up to rounding, so
  * that what is no solution to rounding is one beyond 1e15, and is not refuted. */
-START_TEST(no_solution_but_for_rounding) {
+TEST(no_solution_but_for_rounding) {
   const double h = 0.2;
   for (int k = 0; k < 2; k++) {
     set_small(2);
@@ -267,10 +251,9 @@ START_TEST(no_solution_but_for_rounding) {
     expect_set(0, 0, 0);
   }
 }
-END_TEST
 
 /* As many candidates as there may be: each is pressed alone; q = 0. */
-START_TEST(eight_candidates) {
+TEST(eight_candidates) {
   set_small(8);
   for (int c = 0; c < 8; c++)
     set_candidate(c, (const double[]){2, 0, 0, 4}, (const double[]){-2 - 2 * c, 1}, 0);
@@ -284,7 +267,6 @@ START_TEST(eight_candidates) {
   ck_assert_int_eq(list_states(1), DLS_OK);
   ck_assert(set.isolated == 1 && set.continua == 0 && r[0] == 0 && r[1] == 0);
 }
-END_TEST
 
 /* ---- the search of auto ---------------------------------------------------------------------- */
 
@@ -293,7 +275,7 @@ static int find(double tol, double cpu_seconds, dls_certificate *c) {
   return dlsi_contact_find_states(&t.p, &limits, dlsi_clock_start(&limits), low, r, c);
 }
 
-START_TEST(auto_finds_the_first_state) {
+TEST(auto_finds_the_first_state) {
   dls_certificate c = {.residual = 1};
   set_small(2);
   set_candidate(0, three_W, (const double[]){-3, -4}, 2); /* sticks: r = (2, 1) */
@@ -310,23 +292,21 @@ START_TEST(auto_finds_the_first_state) {
   ck_assert_int_eq(find(1e-8, 1e-300, &c), -1);
   ck_assert(c.residual == 1 && r[0] == 77);
 }
-END_TEST
 
 /* A solution of some states that is not as good as the r at hand, which is no answer either: r
  * stays, and "none" is not said. */
-START_TEST(rounding_is_not_none) {
+TEST(rounding_is_not_none) {
   dls_certificate c = {.residual_r = 1};
   set_small(1);
   set_candidate(0, (const double[]){49, 0, 0, 49}, (const double[]){-1, 0}, 1); /* 49 / 49 < 1 */
   ck_assert_int_eq(find(1e-8, 0, &c), -1);
   ck_assert(r[0] == 77 && low[0] == 1. / 49);
 }
-END_TEST
 
 /* Both contacts have negative diagonals, contact 1 in other units: two solutions in exact
  * arithmetic. A negative diagonal scales a contact, too; in the units of the other contact, 2^30
  * apart, no state was found, and auto said "no solution likely". */
-START_TEST(negative_diagonals_in_other_units) {
+TEST(negative_diagonals_in_other_units) {
   static const double W[16] = {-3, 2, 2, 2, 2, -2, -3, 3, 2, -3, -2, 1, 2, 3, 1, 2};
   static const double q[4] = {-4, 3, -3, 1};
   static const int units[] = {0, 10, -17, -30, 60, -80};
@@ -346,11 +326,10 @@ START_TEST(negative_diagonals_in_other_units) {
     ck_assert_int_eq(dls_solve(&t.p, NULL, one, NULL, NULL, NULL), DLS_OK);
   }
 }
-END_TEST
 
 /* W = diag(2^-k, 1), q = (-1/16, -1/8), mu = 1/2: sticks with r = (2^(k-4), 1/8) alone, however
  * stiff the normal is beside the tangent; below r_t = 1e-12 r_n rounding may leave it open. */
-START_TEST(a_stiff_normal) {
+TEST(a_stiff_normal) {
   for (int k = 4; k <= 44; k += 10) {
     set_small(1);
     set_candidate(0, (const double[]){ldexp(1, -k), 0, 0, 1}, (const double[]){-0.0625, -0.125},
@@ -362,16 +341,4 @@ START_TEST(a_stiff_normal) {
     const double expected[2] = {ldexp(1, k - 4), 0.125};
     close_values(r, expected, 2, expected[0], 1e-12);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("states", NULL, NULL, ONCE(one_beside_a_ray), ONCE(two_supports_share_a_load),
-             ONCE(a_ray_from_free), ONCE(three_beside_three_rays),
-             ONCE(two_supports_push_each_other), ONCE(no_solution_but_for_rounding),
-             ONCE(eight_candidates), ONCE(solutions_of_three_apart),
-             ONCE(a_candidate_without_friction), ONCE(either_side), ONCE(border_between_two_states),
-             ONCE(no_solution_is_proved), ONCE(no_solution_of_two_together),
-             ONCE(auto_finds_the_first_state), ONCE(rounding_is_not_none),
-             ONCE(negative_diagonals_in_other_units), ONCE(a_stiff_normal));
 }

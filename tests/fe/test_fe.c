@@ -1,19 +1,11 @@
 /* test_fe.c: tests mesh, T3, scenes and vtu files of the finite element module. */
 #define _XOPEN_SOURCE 700 /* mkdtemp, setrlimit */
 
-#include <check.h>
-#include <float.h>
-#include <limits.h>
-#include <math.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "delassus/fe.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 /* Makes a call that must fail; checks status, argument and index of the error. */
@@ -73,15 +65,14 @@ static const double E0 = 2.75, nu0 = 0.375;
 
 /* ---- mesh ------------------------------------------------------------------------------------ */
 
-START_TEST(block) {
+TEST(block) {
   dls_fe_mesh mesh;
   ck_assert_int_eq(dls_fe_mesh_block(&mesh, 6, 2, 3, 2, NULL), DLS_OK);
   ck_assert_int_eq(mesh.nodes, 12);
   ck_assert_int_eq(mesh.triangles, 12);
   for (int j = 0; j <= 2; j++)
     for (int i = 0; i <= 3; i++) {
-      ck_assert_double_eq(mesh.xy[2 * (i + 4 * j)], 2.0 * i);
-      ck_assert_double_eq(mesh.xy[2 * (i + 4 * j) + 1], 1.0 * j);
+      assert_near(mesh.xy + 2 * (i + 4 * j), (double[]){2.0 * i, 1.0 * j}, 2, 0);
     }
   for (int e = 0; e < mesh.triangles; e++)
     ck_assert_double_eq(area2(&mesh, e), 2);
@@ -99,9 +90,8 @@ START_TEST(block) {
   dls_fe_mesh_free(&mesh);
   dls_fe_mesh_free(NULL);
 }
-END_TEST
 
-START_TEST(block_ends_at_its_lengths) {
+TEST(block_ends_at_its_lengths) {
   dls_fe_mesh mesh;
   for (int n = 1; n < 60; n++) {
     ck_assert_int_eq(dls_fe_mesh_block(&mesh, 0.1, 4e-3, n, 1, NULL), DLS_OK);
@@ -109,9 +99,8 @@ START_TEST(block_ends_at_its_lengths) {
     dls_fe_mesh_free(&mesh);
   }
 }
-END_TEST
 
-START_TEST(block_bad_input) {
+TEST(block_bad_input) {
   dls_fe_mesh mesh, before;
   memset(&mesh, 42, sizeof mesh);
   before = mesh;
@@ -132,11 +121,10 @@ START_TEST(block_bad_input) {
   malloc_fails_at(0);
   ck_assert(memcmp(&mesh, &before, sizeof mesh) == 0);
 }
-END_TEST
 
 /* ---- T3 -------------------------------------------------------------------------------------- */
 
-START_TEST(one_triangle_by_hand) {
+TEST(one_triangle_by_hand) {
   /* (0,0) (1,0) (0,1): b = (-1, 1, 0), c = (-1, 0, 1), 1/4A = 1/2, G = 1, l = 3 */
   double xy[] = {0, 0, 1, 0, 0, 1}, K[6 * 7];
   int node[] = {0, 1, 2};
@@ -162,9 +150,8 @@ START_TEST(one_triangle_by_hand) {
       ck_assert_double_eq(stress[i], s[k][i]);
   }
 }
-END_TEST
 
-START_TEST(patch) {
+TEST(patch) {
   /* u = (x + 2y, 3x - y/2): e = (1, -1/2, 5), s = (3.5, 0.5, 5). The forces K u are those of the
    * tractions s n on the boundary, nothing inside. */
   const double s[3] = {3.5, 0.5, 5};
@@ -180,8 +167,7 @@ START_TEST(patch) {
   ck_assert_int_eq(dls_fe_stress(&mesh, E0, nu0, u, stress, NULL), DLS_OK);
   for (int e = 0; e < mesh.triangles; e++) {
     ck_assert(area2(&mesh, e) > 0);
-    for (int i = 0; i < 3; i++)
-      ck_assert_double_eq_tol(stress[3 * e + i], s[i], 1000 * DBL_EPSILON);
+    assert_near(stress + 3 * e, s, 3, 1000 * DBL_EPSILON);
   }
 
   dls_status status = DLS_OK;
@@ -204,9 +190,8 @@ START_TEST(patch) {
   free(K);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(symmetric_and_rigid) {
+TEST(symmetric_and_rigid) {
   dls_fe_mesh mesh = crooked();
   double *K = new_doubles((size_t)crooked_n * crooked_n);
   ck_assert_int_eq(dls_fe_stiffness(&mesh, 0.13e12, 0.2, K, crooked_n, NULL), DLS_OK);
@@ -226,9 +211,8 @@ START_TEST(symmetric_and_rigid) {
   free(K);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(units) {
+TEST(units) {
   /* K per unit thickness does not depend on the unit of length; powers of two change no bit */
   dls_fe_mesh mesh = crooked();
   const size_t size = (size_t)crooked_n * crooked_n;
@@ -248,9 +232,8 @@ START_TEST(units) {
   free(K1);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(flat_triangles) {
+TEST(flat_triangles) {
   int node[] = {0, 1, 2, 0, 2, 3};
   double K[64], untouched[64];
   for (int k = 0; k < 64; k++)
@@ -274,9 +257,8 @@ START_TEST(flat_triangles) {
   }
   ck_assert(memcmp(K, untouched, sizeof K) == 0);
 }
-END_TEST
 
-START_TEST(edge_load) {
+TEST(edge_load) {
   dls_fe_mesh mesh;
   double f[2 * 6] = {0};
   ck_assert_int_eq(dls_fe_mesh_block(&mesh, 6, 8, 2, 1, NULL), DLS_OK);
@@ -290,7 +272,6 @@ START_TEST(edge_load) {
     ck_assert_double_le(fabs(f[i] - by_hand[i]), 4 * DBL_EPSILON * fabs(by_hand[i]));
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
 static dls_status write_vtu(const char *to, const dls_fe_mesh *mesh, const double *u,
                             const double *R, const double *stress, dls_error *e) {
@@ -312,7 +293,7 @@ static dls_status by_vtu(const dls_fe_mesh *mesh) {
   return write_vtu("no/such/directory.vtu", mesh, NULL, NULL, NULL, &error);
 }
 
-START_TEST(mesh_bad_input) {
+TEST_EACH(mesh_bad_input, 0, 3) {
   reader *const readers[] = {by_stiffness, by_stress, by_vtu};
   reader *read = readers[_i];
   dls_fe_mesh mesh;
@@ -352,13 +333,11 @@ START_TEST(mesh_bad_input) {
     REJECTED(read(&mesh), DLS_E_ARGUMENT, "node", i);
     mesh.node[i] = good;
   }
-  for (int k = 0; k < 12 * 12; k++)
-    ck_assert_double_eq(scratch[k], -7);
+  assert_all(scratch, 12 * 12, -7);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(t3_bad_input) {
+TEST(t3_bad_input) {
   dls_fe_mesh mesh;
   ck_assert_int_eq(dls_fe_mesh_block(&mesh, 6, 8, 2, 1, NULL), DLS_OK);
   double K[144], f[12], s[12], u[12] = {0};
@@ -400,17 +379,15 @@ START_TEST(t3_bad_input) {
   without.xy = NULL;
   REJECTED(dls_fe_edge_load(&without, 0, 1, 1, 1, f, &error), DLS_E_ARGUMENT, "xy", -1);
 
-  for (int k = 0; k < 144; k++)
-    ck_assert_double_eq(K[k], -7);
+  assert_all(K, 144, -7);
   for (int k = 0; k < 12; k++)
     ck_assert(f[k] == -7 && s[k] == -7);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
-START_TEST(scene_names) {
+TEST(scene_names) {
   ck_assert_str_eq(dls_fe_scene_name(0), "jean-fig3");
   ck_assert_str_eq(dls_fe_scene_name(1), "jean-fig4");
   ck_assert_ptr_nonnull(strstr(dls_fe_scene_description(0), "Fig. 3"));
@@ -421,10 +398,9 @@ START_TEST(scene_names) {
     ck_assert_ptr_null(dls_fe_scene_description(none[k]));
   }
 }
-END_TEST
 
 /* _i: 2 * scene + weighted */
-START_TEST(scene) {
+TEST_EACH(scene, 0, 4) {
   const int fig4 = _i / 2, weighted = _i % 2, nodes = weighted ? 17 : 16;
   dls_fe_scene *s;
   dls_fe_scene_data data;
@@ -513,9 +489,8 @@ START_TEST(scene) {
   }
   dls_fe_scene_destroy(s);
 }
-END_TEST
 
-START_TEST(scene_twice) {
+TEST(scene_twice) {
   dls_fe_scene *s[2];
   dls_fe_scene_data data[2];
   for (int k = 0; k < 2; k++) {
@@ -527,9 +502,8 @@ START_TEST(scene_twice) {
   for (int k = 0; k < 2; k++)
     dls_fe_scene_destroy(s[k]);
 }
-END_TEST
 
-START_TEST(scene_bad_input) {
+TEST(scene_bad_input) {
   int dummy = 0;
   dls_fe_scene *s = (dls_fe_scene *)(void *)&dummy;
   REJECTED(dls_fe_scene_create(NULL, "jean-fig3", 0, &error), DLS_E_ARGUMENT, "out", -1);
@@ -560,7 +534,6 @@ START_TEST(scene_bad_input) {
   ck_assert(displacement[0] == -7 && displacement[305] == -7);
   dls_fe_scene_destroy(s);
 }
-END_TEST
 
 static dls_fe_scene_settings scene_settings(int nx, int ny) {
   dls_fe_scene_settings s;
@@ -571,7 +544,7 @@ static dls_fe_scene_settings scene_settings(int nx, int ny) {
 }
 
 /* The settings' own values give the scene of no settings, bit by bit. */
-START_TEST(scene_settings_by_default) {
+TEST(scene_settings_by_default) {
   dls_fe_scene *s[3];
   dls_fe_scene_data d[3];
   dls_fe_scene_settings given = scene_settings(16, 8), none = scene_settings(0, 0);
@@ -597,11 +570,10 @@ START_TEST(scene_settings_by_default) {
   for (int k = 0; k < 3; k++)
     dls_fe_scene_destroy(s[k]);
 }
-END_TEST
 
 /* K of a finer mesh is sparse, and is the stiffness without the supported rows and columns; loads
  * have the resultants of the coarse one. */
-START_TEST(scene_of_a_finer_mesh) {
+TEST(scene_of_a_finer_mesh) {
   const int nx = 24, ny = 22, nodes = (nx + 1) * (ny + 1), all = 2 * nodes, n = all - ny - 2;
   dls_fe_scene *s;
   dls_fe_scene_data data;
@@ -641,10 +613,9 @@ START_TEST(scene_of_a_finer_mesh) {
   free(Ks);
   dls_fe_scene_destroy(s);
 }
-END_TEST
 
 /* The loads of the first step and the rest of them add up to f. */
-START_TEST(scene_loads_in_order) {
+TEST(scene_loads_in_order) {
   dls_fe_scene *s[2];
   dls_fe_scene_data d[2];
   for (int k = 0; k < 2; k++) {
@@ -666,9 +637,8 @@ START_TEST(scene_loads_in_order) {
   for (int k = 0; k < 2; k++)
     dls_fe_scene_destroy(s[k]);
 }
-END_TEST
 
-START_TEST(scene_bad_settings) {
+TEST(scene_bad_settings) {
   dls_fe_scene *s;
   dls_fe_scene_settings x;
 #define REFUSED(field, value, code, name)                                                          \
@@ -702,9 +672,8 @@ START_TEST(scene_bad_settings) {
   REJECTED(dls_fe_scene_create_with(&s, "x", 0, &x, &error), DLS_E_ARGUMENT, "name", -1);
   dls_fe_scene_settings_init(NULL);
 }
-END_TEST
 
-START_TEST(scene_without_memory) {
+TEST(scene_without_memory) {
   int dummy = 0;
   dls_fe_scene_settings settings[] = {scene_settings(0, 0),
                                       scene_settings(24, 22)}; /* K dense, sparse */
@@ -717,7 +686,6 @@ START_TEST(scene_without_memory) {
     dls_fe_scene_destroy(s);
   }
 }
-END_TEST
 
 /* ---- vtu ------------------------------------------------------------------------------------- */
 
@@ -790,7 +758,7 @@ static int numbers(const char *text, const char *name, double *x, int room) {
   return n;
 }
 
-START_TEST(vtu) {
+TEST(vtu) {
   dls_fe_mesh mesh = crooked();
   const int nodes = mesh.nodes, cells = mesh.triangles;
   double u[crooked_n], R[crooked_n], x[1000];
@@ -826,8 +794,7 @@ START_TEST(vtu) {
   for (int e = 0; e < cells; e++)
     ck_assert_double_eq(x[e], 3 * (e + 1));
   ck_assert_int_eq(numbers(text, "types", x, 1000), cells);
-  for (int e = 0; e < cells; e++)
-    ck_assert_double_eq(x[e], 5);
+  assert_all(x, cells, 5);
   free(text);
 
   ck_assert_int_eq(write_vtu(path, &mesh, NULL, NULL, NULL, NULL), DLS_OK);
@@ -841,10 +808,9 @@ START_TEST(vtu) {
   free(stress);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
 /* The stress as a tensor, and the state, gap and slip of two contacts at their nodes. */
-START_TEST(vtu_of_fields) {
+TEST(vtu_of_fields) {
   dls_fe_mesh mesh = crooked();
   const int cells = mesh.triangles;
   double u[crooked_n], x[1000];
@@ -870,8 +836,7 @@ START_TEST(vtu_of_fields) {
   for (int e = 0; e < cells; e++) {
     const double *s = stress + 3 * e, zz = nu0 * (s[0] + s[1]);
     const double tensor[] = {s[0], s[2], 0, s[2], s[1], 0, 0, 0, zz};
-    for (int k = 0; k < 9; k++)
-      ck_assert_double_eq(x[9 * e + k], tensor[k]);
+    assert_near(x + 9 * e, tensor, 9, 0);
   }
   ck_assert_int_eq(numbers(text, "contact", x, 1000), mesh.nodes);
   for (int i = 0; i < mesh.nodes; i++)
@@ -893,9 +858,8 @@ START_TEST(vtu_of_fields) {
   free(stress);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(vtu_bad_input) {
+TEST(vtu_bad_input) {
   dls_fe_mesh mesh;
   ck_assert_int_eq(dls_fe_mesh_block(&mesh, 1, 1, 1, 1, NULL), DLS_OK);
   double u[8] = {0}, stress[6] = {0};
@@ -915,9 +879,8 @@ START_TEST(vtu_bad_input) {
   REJECTED(write_vtu(folder, &mesh, u, u, stress, &error), DLS_E_FILE, "path", -1);
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(vtu_disk_full) {
+TEST(vtu_disk_full) {
   dls_fe_mesh mesh = crooked();
   struct rlimit limit, before;
   ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -939,15 +902,7 @@ START_TEST(vtu_disk_full) {
   }
   dls_fe_mesh_free(&mesh);
 }
-END_TEST
 
 int main(void) {
-  return RUN("fe", make_folder, remove_folder, ONCE(block), ONCE(block_ends_at_its_lengths),
-             ONCE(block_bad_input), ONCE(one_triangle_by_hand), ONCE(patch),
-             ONCE(symmetric_and_rigid), ONCE(units), ONCE(flat_triangles), ONCE(edge_load),
-             EACH(mesh_bad_input, 0, 3), ONCE(t3_bad_input), ONCE(scene_names), EACH(scene, 0, 4),
-             ONCE(scene_twice), ONCE(scene_settings_by_default), ONCE(scene_of_a_finer_mesh),
-             ONCE(scene_loads_in_order), ONCE(scene_bad_settings), ONCE(scene_bad_input),
-             ONCE(scene_without_memory), ONCE(vtu), ONCE(vtu_of_fields), ONCE(vtu_bad_input),
-             ONCE(vtu_disk_full));
+  return run_tests("fe", make_folder, remove_folder);
 }

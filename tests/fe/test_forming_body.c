@@ -2,11 +2,6 @@
  * Corners are counted here, from the files for ParaView, without the code of the scene. */
 #define _XOPEN_SOURCE 700 /* mkdtemp */
 
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "delassus/forming.h"
@@ -155,7 +150,7 @@ static dls_status run_extrusion(int method, double mu, int nx, int ny, dls_formi
 }
 
 /* Sweeps on displacements are left out where they take minutes, and what auto_goes_as_far runs. */
-START_TEST(extrusion_is_a_body) {
+TEST_EACH(extrusion_is_a_body, 0, (int)method_count *(int)friction_count) {
   const int method = _i % method_count;
   const double mu = frictions[_i / method_count];
   if ((method == method_count - 1 && mu > 0.2) || (mu == 0.3 && method < 2)) return;
@@ -163,11 +158,10 @@ START_TEST(extrusion_is_a_body) {
   const dls_status status = run_extrusion(method, mu, 0, 0, &d);
   if (mu <= 0.2) ck_assert_int_eq(status, DLS_OK);
 }
-END_TEST
 
 /* The fine mesh at the friction of the paper, whose edges fold without the ram and the front among
  * the contacts. */
-START_TEST(fine_extrusion_is_a_body) {
+TEST(fine_extrusion_is_a_body) {
   char folder[] = "/tmp/test_body.XXXXXX";
   ck_assert_ptr_nonnull(mkdtemp(folder));
   dls_forming *f = create("extrusion", 0, 0.1, 8, 40);
@@ -176,10 +170,9 @@ START_TEST(fine_extrusion_is_a_body) {
   dls_forming_destroy(f);
   ck_assert_int_eq(rmdir(folder), 0);
 }
-END_TEST
 
 /* Forces of every method at a friction where lateral nodes lie on the ram. */
-START_TEST(methods_agree_beyond_the_paper) {
+TEST(methods_agree_beyond_the_paper) {
   double force[method_count];
   for (int k = 0; k < method_count; k++) {
     dls_forming_data d;
@@ -189,11 +182,10 @@ START_TEST(methods_agree_beyond_the_paper) {
     ck_assert_double_eq_tol(force[k], force[0], (k == 5 ? 1e-3 : k == 6 ? 1e-8 : 1e-9) * force[0]);
   }
 }
-END_TEST
 
 /* Where a run is halved sooner or later: auto, Lemke's method and the augmented Lagrangian have one
  * force on all steps before the first halving of any. */
-START_TEST(methods_agree_before_halving) {
+TEST_EACH(methods_agree_before_halving, 0, 2) {
   static const double mu[] = {0.3, 0.4};
   static const int chosen[] = {0, 1, 4}, least[] = {40, 20};
   dls_forming *f[3];
@@ -217,14 +209,13 @@ START_TEST(methods_agree_before_halving) {
   for (int k = 0; k < 3; k++)
     dls_forming_destroy(f[k]);
 }
-END_TEST
 
 /* Beyond the friction that the mesh bears auto stops at one corner, and no earlier than Lemke's
  * method. Halved steps are paths of their own: the last digits of the arithmetic move each stop by
  * a few steps, and decide whether Lemke's method comes to that corner or to a step that it finds
  * no answer of; from mu = .34 on those of auto, too. Up to .33 it folds there with OpenBLAS's
  * kernels for Zen, Sandy Bridge, Nehalem and Prescott, within 1 mm of travel. */
-START_TEST(auto_goes_as_far) {
+TEST_EACH(auto_goes_as_far, 0, 3) {
   static const double mu[] = {0.3, 0.31, 0.32};
   double travel[2];
   for (int k = 0; k < 2; k++) {
@@ -239,10 +230,9 @@ START_TEST(auto_goes_as_far) {
   }
   ck_assert_double_gt(travel[0], 0.95 * travel[1]);
 }
-END_TEST
 
 /* Where steps are halved, methods differ by what the error of the steps says; at 160 mm. */
-START_TEST(halved_methods_agree) {
+TEST(halved_methods_agree) {
   double force[2], off[2];
   for (int k = 0; k < 2; k++) {
     dls_forming_settings s;
@@ -264,11 +254,10 @@ START_TEST(halved_methods_agree) {
   ck_assert_double_le(fmax(off[0], off[1]), 0.04 * force[0]);
   ck_assert_double_eq_tol(force[0], force[1], off[0] + off[1]);
 }
-END_TEST
 
 /* The forces of the tools add up to zero, the container stands apart from the die, and the force is
  * that on the ram. With friction at the ram, which counts as a tool like the others. */
-START_TEST(tools_balance) {
+TEST_EACH(tools_balance, 0, 2) {
   dls_forming_settings s;
   dls_forming_settings_init(&s);
   s.ram_mu = _i ? 0.1 : 0;
@@ -291,10 +280,9 @@ START_TEST(tools_balance) {
   ck_assert_double_gt(d.tool[3].force[1], 0.5 * d.force);
   dls_forming_destroy(f);
 }
-END_TEST
 
 /* The force at the end depends on the number of steps by no more than is said. */
-START_TEST(step_error) {
+TEST(step_error) {
   static const int steps[] = {75, 300, 600};
   double force[3], off[3];
   for (int k = 0; k < 3; k++) {
@@ -320,11 +308,10 @@ START_TEST(step_error) {
   for (int k = 0; k < 3; k++)
     ck_assert_double_eq_tol(force[k], force[2], off[k] + off[2]);
 }
-END_TEST
 
 /* Indentation without friction, at the paper's, and beyond: a body by every method, one force, more
  * of it with more friction, and tools in balance: what the cylinder presses the floor holds. */
-START_TEST(indentation_at_any_friction) {
+TEST(indentation_at_any_friction) {
   static const double mu[] = {0, 0.1, 0.4};
   char folder[] = "/tmp/test_body.XXXXXX";
   ck_assert_ptr_nonnull(mkdtemp(folder));
@@ -349,14 +336,4 @@ START_TEST(indentation_at_any_friction) {
   ck_assert_double_gt(force[1], force[0]);
   ck_assert_double_gt(force[2], force[1]);
   ck_assert_int_eq(rmdir(folder), 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("forming_body", NULL, NULL,
-             EACH(extrusion_is_a_body, 0, (int)method_count * (int)friction_count),
-             ONCE(fine_extrusion_is_a_body), ONCE(methods_agree_beyond_the_paper),
-             EACH(methods_agree_before_halving, 0, 2), EACH(auto_goes_as_far, 0, 3),
-             ONCE(halved_methods_agree), EACH(tools_balance, 0, 2), ONCE(step_error),
-             ONCE(indentation_at_any_friction));
 }

@@ -6,15 +6,9 @@
  * paper stopped at a relative change of 1e-4. All that does not depend on the print is tested to
  * the solvers' tolerance.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -81,10 +75,7 @@ static answer *solve_case(const dls_fe_scene *scene, dls_method method, double t
   ok(dls_reduction_contact(reduction, data.mu, &problem, &error));
   ck_assert(problem.nc == nc && problem.d == 2);
 
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = method;
-  settings.limits.tol = tolerance;
+  dls_solver_settings settings = settings_with(method, tolerance);
   dls_solver *solver;
   ok(dls_solver_create(&solver, 2, nc, &settings, &error));
   ok(dls_solver_solve(solver, &problem, a->r, a->u, &a->info, &error));
@@ -140,7 +131,7 @@ static dls_fe_scene *scene_of(const table *t) {
 }
 
 /* _i: 2 * table + method */
-START_TEST(printed_table) {
+TEST_EACH(printed_table, 0, 2 * table_count) {
   const table *t = &tables[_i / 2];
   dls_fe_scene *scene = scene_of(t);
   dls_fe_scene_data data;
@@ -184,9 +175,8 @@ START_TEST(printed_table) {
   free(a);
   dls_fe_scene_destroy(scene);
 }
-END_TEST
 
-START_TEST(methods_agree) {
+TEST_EACH(methods_agree, 0, table_count) {
   dls_fe_scene *scene = scene_of(&tables[_i]);
   answer *a = solve_case(scene, DLS_NLGS, tight), *b = solve_case(scene, DLS_LEMKE, tol);
   double r = 0, u = 0, dr = 0, du = 0, dx = 0, x = 0;
@@ -208,11 +198,10 @@ START_TEST(methods_agree) {
   free(b);
   dls_fe_scene_destroy(scene);
 }
-END_TEST
 
 /* Checks the balance without the reduction: the full stiffness times the displacement, less the
  * loads, equals the forces of obstacle and supports. */
-START_TEST(equilibrium) {
+TEST_EACH(equilibrium, 0, table_count) {
   const table *t = &tables[_i];
   dls_fe_scene *scene = scene_of(t);
   dls_fe_scene_data data;
@@ -277,13 +266,12 @@ START_TEST(equilibrium) {
   free(a);
   dls_fe_scene_destroy(scene);
 }
-END_TEST
 
 /* Fig. 4: all candidates slide, so both ways of computation give the same displacements and
  * nodal reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at
  * every node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without
  * row 17. */
-START_TEST(all_slide) {
+TEST(all_slide) {
   dls_fe_scene *scene[2];
   answer *a[2];
   for (int w = 0; w < 2; w++) {
@@ -302,7 +290,6 @@ START_TEST(all_slide) {
     dls_fe_scene_destroy(scene[w]);
   }
 }
-END_TEST
 
 /* Solves a scene on a mesh; *R: resultant of the tangential reactions, *stick: contacts that stick,
  * x (n of the model), which the caller frees. */
@@ -328,7 +315,7 @@ static double *solve_mesh(const char *name, const dls_fe_scene_settings *setting
 
 /* Fig. 4 does not slide everywhere: graded meshes show the zone beside the fixed face that sticks,
  * even ones up to 256 x 128 do not. R_t tends to 199,165, not to mu R_n = 200,000. */
-START_TEST(fixed_face_sticks) {
+TEST(fixed_face_sticks) {
   dls_fe_scene_settings settings;
   dls_fe_scene *scene;
   double R;
@@ -345,11 +332,10 @@ START_TEST(fixed_face_sticks) {
     ck_assert_double_eq_tol(R, graded ? 199165 : 198155, graded ? 40 : 5);
   }
 }
-END_TEST
 
 /* The block of the group GRECO, Code_Aster's test SSNV128: slip at five points in um, on a block
  * ten times as large. The last point lies where the slip ends. */
-START_TEST(greco) {
+TEST(greco) {
   static const struct {
     int node; /* of 128 along 40 mm */
     double slip, tolerance;
@@ -373,11 +359,4 @@ START_TEST(greco) {
   }
   free(x);
   dls_fe_scene_destroy(scene);
-}
-END_TEST
-
-int main(void) {
-  return RUN("jean", NULL, NULL, EACH(printed_table, 0, 2 * table_count),
-             EACH(methods_agree, 0, table_count), EACH(equilibrium, 0, table_count),
-             ONCE(all_slide), ONCE(fixed_face_sticks), ONCE(greco));
 }

@@ -3,16 +3,8 @@
  * of another program with the same scheme (impulses to 1e-4, norms to 3 %, dissipations to 1e-5),
  * and with a monolithic block.
  */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "close.h"
 #include "delassus/moving.h"
-#include "errors.h"
 #include "fe/moving_internal.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 static dls_error error;
@@ -65,7 +57,7 @@ static void expect(double value, double wanted, double relative) {
 
 /* Lumped mass, theta 1/2, e 0: one impact of the lowest node takes (l / L) sqrt(1 + nu^2) / 2 of
  * the energy, nu the Courant number. */
-START_TEST(impact_of_a_lumped_bar) {
+TEST_EACH(impact_of_a_lumped_bar, 0, 3) {
   const int nx[] = {50, 20, 50};
   const double courant[] = {0.9, 0.5, 0.5};
   dls_moving_settings s = defaults();
@@ -77,9 +69,8 @@ START_TEST(impact_of_a_lumped_bar) {
   expect(1 - energy_left(&d), sqrt(1 + nu * nu) / 2 / s.nx, 1e-9);
   if (_i == 0) expect(1 - energy_left(&d), 0.01345362, 1e-6);
 }
-END_TEST
 
-START_TEST(impact) {
+TEST(impact) {
   dls_moving_settings s = defaults();
   dls_moving_data d = whole("bar-impact", &s);
   expect(d.impulse[0], 198.845083, 1e-8);
@@ -93,18 +84,16 @@ START_TEST(impact) {
   d = whole("bar-impact", &s);
   expect(energy_left(&d), 0.8312, 1e-4);
 }
-END_TEST
 
-START_TEST(bounce) {
+TEST(bounce) {
   dls_moving_settings s = defaults();
   s.nx = 400;
   const dls_moving_data d = whole("bar-bounce", &s);
   expect(d.impulse[0], 532.666, 1e-4);
   expect(d.gap_error, 9.65e-3, 0.03);
 }
-END_TEST
 
-START_TEST(fixed) {
+TEST(fixed) {
   const int nx[] = {100, 400};
   const double norm[] = {2.951e-2, 1.079e-2}, left[] = {0.991392, 0.997618};
   for (int k = 0; k < 2; k++) {
@@ -115,9 +104,8 @@ START_TEST(fixed) {
     expect(energy_left(&d), left[k], 1e-6);
   }
 }
-END_TEST
 
-START_TEST(fixed_order) { /* >= .6 between 50 and 800 elements */
+TEST(fixed_order) { /* >= .6 between 50 and 800 elements */
   double norm[2];
   for (int k = 0; k < 2; k++) {
     dls_moving_settings s = defaults();
@@ -126,11 +114,10 @@ START_TEST(fixed_order) { /* >= .6 between 50 and 800 elements */
   }
   ck_assert_double_ge(log(norm[0] / norm[1]) / log(16), 0.6);
 }
-END_TEST
 
 /* The order of the error of the gap over 25, 50, .., 400 elements: the slope of log(error) over
  * log(h), least squares. h halves from mesh to mesh, so that the weights are 2, 1, 0, -1, -2. */
-START_TEST(orders) {
+TEST_EACH(orders, 0, 3) {
   static const char *const name[] = {"bar-impact", "bar-bounce", "bar-fixed"};
   static const double published[] = {0.87, 0.68, 0.76};
   double sum = 0, first = 0;
@@ -144,11 +131,10 @@ START_TEST(orders) {
   }
   expect(sum / (10 * log(2)), published[_i], 0.01);
 }
-END_TEST
 
 /* The closed forms: gaps are continuous and >= 0, forces push only where the gap is 0, impulses are
  * those of the weight or of the turned momentum, and the end is the start again. */
-START_TEST(closed_forms) {
+TEST_EACH(closed_forms, 0, 3) {
   dlsi_moving_exact *const exact[] = {dlsi_exact_impact, dlsi_exact_bounce, dlsi_exact_fixed};
   const double time[] = {1.5, 16.0 / 3, 3}, impulse[] = {200, 1600.0 / 3, 0.5};
   const double speed[] = {10, 20, 0.5}; /* of the end, at most */
@@ -169,11 +155,10 @@ START_TEST(closed_forms) {
   expect(sum, impulse[_i], 1e-4);
   if (_i > 0) ck_assert_double_le(fabs(before - start), 1e-9);
 }
-END_TEST
 
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
-START_TEST(jean) { /* friction's work in the second cycle */
+TEST_EACH(jean, 0, 6) { /* friction's work in the second cycle */
   static const struct {
     const char *name;
     int law, steps;
@@ -212,9 +197,8 @@ START_TEST(jean) { /* friction's work in the second cycle */
   if (run[_i].loop > 0) expect(loop, run[_i].loop, 1e-5);
   dls_moving_destroy(moving);
 }
-END_TEST
 
-START_TEST(drop) {
+TEST(drop) {
   dls_moving_data d;
   dls_moving *moving = create("block-drop", NULL, &d);
   int slipping = 1;
@@ -239,7 +223,6 @@ START_TEST(drop) {
   expect(momentum[1] / mass, 0.694057, 1e-6);
   dls_moving_destroy(moving);
 }
-END_TEST
 
 /* ---- two blocks ------------------------------------------------------------------------------ */
 
@@ -326,7 +309,7 @@ static void monolithic(double E, double nu, double *D) {
   dls_fe_mesh_free(&mesh);
 }
 
-START_TEST(blocks_in_one_piece) {
+TEST(blocks_in_one_piece) {
   static double D[2 * (bx + 1) * (2 * by + 1)];
   dls_moving_settings s = defaults();
   s.mu = 10;
@@ -350,7 +333,6 @@ START_TEST(blocks_in_one_piece) {
   ck_assert_double_le(worst, 1e-11 * most);
   dls_moving_destroy(moving);
 }
-END_TEST
 
 /* Returns the part under the hat function of candidate c of the upper edge. */
 static double share_of(const dls_moving_data *d, int c) {
@@ -361,7 +343,7 @@ static double share_of(const dls_moving_data *d, int c) {
 
 /* Uniform pressure over lines of nodes that do not match, to rounding: the springs that hold the
  * upper block make W 10 times larger than the blocks do, which is lost in the reactions. */
-START_TEST(blocks_patch) {
+TEST_EACH(blocks_patch, 7, 20) {
   const double pressure = 1e6;
   dls_moving_settings s = defaults();
   s.upper = _i;
@@ -380,11 +362,10 @@ START_TEST(blocks_patch) {
   free(stress);
   dls_moving_destroy(moving);
 }
-END_TEST
 
 /* The reactions hold the upper block: resultants and moment about the middle of its lower edge, at
  * the end of the shear, where some candidates slip. */
-START_TEST(blocks_equilibrium) {
+TEST(blocks_equilibrium) {
   const double load = 1e6 * 0.1, shear = 0.2e6 * 0.1, height = 0.05, middle = 0.05;
   dls_moving_data d;
   dls_moving *moving = create("two-blocks", NULL, &d);
@@ -408,18 +389,16 @@ START_TEST(blocks_equilibrium) {
   ck_assert_double_lt(d.energy.friction, 0);
   dls_moving_destroy(moving);
 }
-END_TEST
 
-START_TEST(blocks_with_mass) { /* slowly enough, they come to the same forces */
+TEST(blocks_with_mass) { /* slowly enough, they come to the same forces */
   dls_moving_settings s = defaults();
   s.law = DLS_MOTION_GAP;
   s.steps = 100;
   const dls_moving_data d = whole("two-blocks", &s);
   ck_assert_double_lt(d.energy.kinetic, 1e-2 * d.energy.elastic);
 }
-END_TEST
 
-START_TEST(mortar) {
+TEST(mortar) {
   const double a[] = {0, 0.3, 0.5, 1, 1.2}, b[] = {0, 0.1, 0.5, 0.7, 0.9, 1.2};
   enum { na = 5, nb = 6 };
   double A[na * na], B[na * nb], w[na], column[na + nb] = {0};
@@ -441,17 +420,15 @@ START_TEST(mortar) {
     ck_assert_double_eq_tol(sum[2], 1, 1e-15 * 4);
     ck_assert_double_eq_tol(sum[1], sum[3], 1e-15 * 4); /* equal linear fields: no jump */
   }
-  for (int j = 0; j < na; j++) /* a constant pressure gives its nodal forces on both lines */
-    ck_assert_double_eq_tol(column[j], w[j], 1e-15);
+  assert_near(column, w, na, 1e-15); /* a constant pressure gives its nodal forces on both lines */
   for (int j = 0; j < nb; j++)
     ck_assert_double_eq_tol(column[na + j], (b[j < nb - 1 ? j + 1 : j] - b[j > 0 ? j - 1 : j]) / 2,
                             1e-15);
 }
-END_TEST
 
 /* ---- input ----------------------------------------------------------------------------------- */
 
-START_TEST(names) {
+TEST(names) {
   int count = 0;
   for (; dls_moving_name(count); count++) {
     ck_assert_ptr_nonnull(dls_moving_description(count));
@@ -465,20 +442,16 @@ START_TEST(names) {
   ck_assert_int_eq(count, 7);
   ck_assert(!dls_moving_name(-1) && !dls_moving_description(count));
 }
-END_TEST
 
-START_TEST(bad_input) {
-  const char *make = "dls_moving_create", *step = "dls_moving_step";
+TEST(bad_input) {
+  const char *make = "dls_moving_create";
   dls_moving *m = (dls_moving *)(void *)&error;
-  expect_error(dls_moving_create(NULL, "bar-impact", NULL, &error), &error, DLS_E_ARGUMENT, make,
-               "out", -1);
-  expect_error(dls_moving_create(&m, NULL, NULL, &error), &error, DLS_E_ARGUMENT, make, "name", -1);
+  REFUSES(ARGUMENT, "out", -1, dls_moving_create, NULL, "bar-impact", NULL);
+  REFUSES(ARGUMENT, "name", -1, dls_moving_create, &m, NULL, NULL);
   ck_assert_ptr_null(m);
-  expect_error(dls_moving_create(&m, "bar", NULL, &error), &error, DLS_E_ARGUMENT, make, "name",
-               -1);
+  REFUSES(ARGUMENT, "name", -1, dls_moving_create, &m, "bar", NULL);
   dls_moving_settings s = {0};
-  expect_error(dls_moving_create(&m, "bar-impact", &s, &error), &error, DLS_E_SETTINGS, make,
-               "settings", -1);
+  REFUSES(SETTINGS, "settings", -1, dls_moving_create, &m, "bar-impact", &s);
 #define REFUSED(field, value, name)                                                                \
   do {                                                                                             \
     s = defaults();                                                                                \
@@ -507,21 +480,19 @@ START_TEST(bad_input) {
   REFUSED(limits.tol, -1, "tol");
   s = defaults();
   s.ny = 9;
-  expect_error(dls_moving_create(&m, "jean-moving", &s, &error), &error, DLS_E_ARGUMENT, make, "nx",
-               -1);
+  REFUSES(ARGUMENT, "nx", -1, dls_moving_create, &m, "jean-moving", &s);
   s = defaults();
   s.law = DLS_MOTION_GAP;
   s.theta = 0.5; /* its pressure does not converge */
-  expect_error(dls_moving_create(&m, "bar-impact", &s, &error), &error, DLS_E_ARGUMENT, make,
-               "theta", -1);
+  REFUSES(ARGUMENT, "theta", -1, dls_moving_create, &m, "bar-impact", &s);
   ck_assert_ptr_null(m);
-  expect_error(dls_moving_step(NULL, &error), &error, DLS_E_ARGUMENT, step, "moving", -1);
+  REFUSES(ARGUMENT, "moving", -1, dls_moving_step, NULL);
   s = defaults();
   s.steps = 2;
   dls_moving_data d, after;
   m = create("two-blocks", &s, &d);
   advance(m, 2, &d);
-  expect_error(dls_moving_step(m, &error), &error, DLS_E_ARGUMENT, step, "moving", -1);
+  REFUSES(ARGUMENT, "moving", -1, dls_moving_step, m);
   dls_moving_get(m, &after);
   ck_assert_int_eq(after.step, 2);
   dls_moving_get(m, NULL);
@@ -530,10 +501,9 @@ START_TEST(bad_input) {
   dls_moving_get(NULL, &d);
   ck_assert(!d.name && !d.mesh);
 }
-END_TEST
 
 /* The contact problem of a step has the step's reactions, h r in time; on K there is none. */
-START_TEST(problem_of_a_step) {
+TEST_EACH(problem_of_a_step, 0, 3) {
   static const char *const scenes[] = {"block-drop", "jean-moving", "two-blocks"};
   dls_moving_data d;
   dls_contact problem;
@@ -558,15 +528,12 @@ START_TEST(problem_of_a_step) {
     ck_assert_int_eq(dls_contact_certify(&problem, p, NULL, &c, &error), DLS_OK);
     ck_assert(!dls_certificate_holds(&c, 1e-6));
   }
-  expect_error(dls_moving_problem(NULL, &problem, &error), &error, DLS_E_ARGUMENT,
-               "dls_moving_problem", "moving", -1);
-  expect_error(dls_moving_problem(m, NULL, &error), &error, DLS_E_ARGUMENT, "dls_moving_problem",
-               "problem", -1);
+  REFUSES(ARGUMENT, "moving", -1, dls_moving_problem, NULL, &problem);
+  REFUSES(ARGUMENT, "problem", -1, dls_moving_problem, m, NULL);
   dls_moving_destroy(m);
 }
-END_TEST
 
-START_TEST(without_memory) {
+TEST_EACH(without_memory, 0, 4) {
   static const char *const scenes[] = {"bar-bounce", "two-blocks", "jean-moving", "block-drop"};
   dls_moving_settings s = defaults();
   if (_i != 2) { /* which has one mesh only */
@@ -580,9 +547,8 @@ START_TEST(without_memory) {
                !m, DLS_OK, 1);
   dls_moving_destroy(m);
 }
-END_TEST
 
-START_TEST(repeated) { /* to the same bits, with and without measuring */
+TEST(repeated) { /* to the same bits, with and without measuring */
   dls_moving_settings s = defaults();
   s.steps = 60;
   const dls_moving_data a = whole("jean-moving", &s);
@@ -590,14 +556,4 @@ START_TEST(repeated) { /* to the same bits, with and without measuring */
   const dls_moving_data b = whole("jean-moving", &s);
   ck_assert(a.energy.friction == b.energy.friction && a.energy.elastic == b.energy.elastic);
   ck_assert(a.cold_iterations == 0 && b.cold_iterations > 0 && a.iterations == b.iterations);
-}
-END_TEST
-
-int main(void) {
-  return RUN("moving", NULL, NULL, EACH(impact_of_a_lumped_bar, 0, 3), ONCE(impact), ONCE(bounce),
-             ONCE(fixed), ONCE(fixed_order), EACH(orders, 0, 3), EACH(closed_forms, 0, 3),
-             EACH(jean, 0, 6), ONCE(drop), ONCE(blocks_in_one_piece), EACH(blocks_patch, 7, 20),
-             ONCE(blocks_equilibrium), ONCE(blocks_with_mass), ONCE(mortar), ONCE(names),
-             ONCE(bad_input), EACH(problem_of_a_step, 0, 3), EACH(without_memory, 0, 4),
-             ONCE(repeated));
 }

@@ -1,13 +1,6 @@
 /* test_solid.c: tests material, four-node elements, obstacles and banded matrices of the finite
  * element module. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "close.h"
 #include "fe/solid.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 static const dlsi_hardening steel = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
@@ -21,7 +14,7 @@ static double next_number(unsigned *seed) {
 
 /* ---- hardening ------------------------------------------------------------------------------- */
 
-START_TEST(hardening_functions) {
+TEST(hardening_functions) {
   const double ep[] = {0, 0.1, 0.4}, sigma[] = {100, 160, 190};
   const dlsi_hardening table = {.points = 3, .ep = ep, .sigma = sigma};
   const dlsi_hardening linear = {.factor = 261.2, .offset = 0.11868, .exponent = 1};
@@ -43,7 +36,6 @@ START_TEST(hardening_functions) {
     ck_assert_double_eq_tol(difference / (2 * h), slope, 1e-6 * slope);
   }
 }
-END_TEST
 
 /* ---- material -------------------------------------------------------------------------------- */
 
@@ -60,7 +52,7 @@ static void elastic_strain(const double F[5], const double C[4], double be[4]) {
   be[3] = s * (F[0] * F[2] * C[0] + (F[0] * F[3] + F[1] * F[2]) * C[3] + F[1] * F[3] * C[1]);
 }
 
-START_TEST(small_strains_obey_hooke) {
+TEST(small_strains_obey_hooke) {
   const double E = 2e5, nu = 0.3, G = E / 2 / (1 + nu), h = 1e-7;
   const dlsi_solid solid = dlsi_solid_make(E, nu, steel);
   const double F[5] = {1 + 3 * h, 2 * h, -h, 1 - 5 * h, 1 + h}; /* trace -h, e12 = h/2 */
@@ -75,11 +67,10 @@ START_TEST(small_strains_obey_hooke) {
   ck_assert_double_eq_tol(p, -E / 3 / (1 - 2 * nu) * h, E * h * 1e-5);
   ck_assert(now.ep == 0);
 }
-END_TEST
 
 /* A path of 12 steps into the plastic range and back; at its end s is on or inside the yield
  * surface, det be is 1 by default and the trace that of the trial by (13). */
-START_TEST(return_mapping) {
+TEST(return_mapping) {
   for (int keep = 0; keep < 2; keep++) {
     dlsi_solid solid = dlsi_solid_make(2e5, 0.3, steel);
     solid.keep_trace = keep;
@@ -114,9 +105,8 @@ START_TEST(return_mapping) {
     if (keep) ck_assert_double_gt(drift, 1e-6);
   }
 }
-END_TEST
 
-START_TEST(bad_points) {
+TEST(bad_points) {
   const dlsi_solid solid = dlsi_solid_make(2e5, 0.3, steel);
   const double bad[][5] = {{NAN, 0, 0, 1, 1}, {1e200, 0, 0, 1, 1}, {1, INFINITY, 0, 1, 1}};
   const dlsi_point virgin = dlsi_point_virgin();
@@ -125,7 +115,6 @@ START_TEST(bad_points) {
   for (int k = 0; k < 3; k++)
     ck_assert(!dlsi_solid_update(&solid, bad[k], determinant(bad[k]), &virgin, &now, s, c));
 }
-END_TEST
 
 /* ---- element --------------------------------------------------------------------------------- */
 
@@ -154,7 +143,7 @@ static sample make_sample(int axisymmetric, int standard, double size, unsigned 
 }
 
 /* Richardson's extrapolation of central differences of the forces, against K */
-START_TEST(tangent_is_the_derivative_of_the_forces) {
+TEST_EACH(tangent_is_the_derivative_of_the_forces, 0, 8) {
   const int axisymmetric = _i & 1, standard = (_i >> 1) & 1;
   const double size = _i & 4 ? 1e-4 : 0.08; /* elastic, plastic */
   sample a = make_sample(axisymmetric, standard, size, (unsigned)_i);
@@ -180,10 +169,9 @@ START_TEST(tangent_is_the_derivative_of_the_forces) {
   }
   ck_assert_double_le(largest(D, 64), 1e-7 * largest(K, 64));
 }
-END_TEST
 
 /* The elastic energy is a potential of the forces. */
-START_TEST(elastic_forces_are_a_gradient) {
+TEST_EACH(elastic_forces_are_a_gradient, 0, 4) {
   const int axisymmetric = _i & 1, standard = (_i >> 1) & 1;
   sample a = make_sample(axisymmetric, standard, 0.08, 3);
   a.solid.hardening = rigid;
@@ -206,10 +194,9 @@ START_TEST(elastic_forces_are_a_gradient) {
     ck_assert_double_eq_tol(slope, f[k], 1e-7 * largest(f, 8));
   }
 }
-END_TEST
 
 /* A rotation on top of a plane deformation turns the forces and keeps states and energies. */
-START_TEST(rotations_do_no_work) {
+TEST(rotations_do_no_work) {
   sample a = make_sample(0, 0, 0.08, 11), b = a;
   const double angle = 0.7, c = cos(angle), s = sin(angle);
   for (int k = 0; k < 4; k++) {
@@ -231,9 +218,8 @@ START_TEST(rotations_do_no_work) {
   ck_assert_double_eq_tol(E[0], e[0], 1e-10 * E[0]);
   ck_assert_double_eq_tol(E[1], e[1], 1e-12 * E[1]);
 }
-END_TEST
 
-START_TEST(inside_out) {
+TEST(inside_out) {
   sample a = make_sample(0, 0, 0.01, 1);
   const dlsi_q4 element = {0, 0, a.X, a.x};
   double f[8], energy[2];
@@ -244,7 +230,6 @@ START_TEST(inside_out) {
   a.x[4] = NAN;
   ck_assert(!dlsi_q4_forces(&element, &a.solid, a.old, now, f, NULL, energy, NULL));
 }
-END_TEST
 
 /* ---- small structures ------------------------------------------------------------------------ */
 
@@ -342,7 +327,7 @@ static int plate_solve(plate *p, const double *load) {
 /* Patch test: on a crooked mesh with the boundary displaced as by one deformation gradient, the
  * inside follows. Plane: any gradient. Axisymmetric: r scaled, z scaled, where hoop and radial
  * stress are equal. Elastic and far into the plastic range. */
-START_TEST(patch) {
+TEST_EACH(patch, 0, 8) {
   const int axisymmetric = _i & 1, standard = (_i >> 1) & 1, plastic = (_i >> 2) & 1;
   const double corner[8] = {1, 0, 3, 0.3, 2.8, 2.2, 1.2, 1.9};
   const double square[8] = {1, 0, 3, 0, 3, 2, 1, 2};
@@ -374,7 +359,6 @@ START_TEST(patch) {
   ck_assert((p.now[0].ep > 0.01) == plastic);
   plate_free(&p);
 }
-END_TEST
 
 /* Cook's membrane: clamped on the left, sheared by a traction on the right; E such that mu =
  * 80.194, nu = 0.4999, small load. Returns the deflection of the upper right corner. */
@@ -396,7 +380,7 @@ static double cook(int n, double nu, int standard, double force) {
   return deflection;
 }
 
-START_TEST(no_locking) {
+TEST(no_locking) {
   /* nearly incompressible: 8 x 8 of Q4/P0 within 5 % of 32 x 32; the standard element is far off */
   const double fine = cook(32, 0.4999, 0, 10), coarse = cook(8, 0.4999, 0, 10);
   ck_assert_double_eq_tol(coarse, fine, 0.05 * fine);
@@ -405,10 +389,9 @@ START_TEST(no_locking) {
   const double soft = cook(32, 0.3, 0, 10);
   ck_assert_double_eq_tol(cook(32, 0.3, 1, 10), soft, 0.02 * soft);
 }
-END_TEST
 
 /* One element, plane strain, pressed to half of its height, free to spread: -655.95 MPa. */
-START_TEST(one_element_compressed) {
+TEST(one_element_compressed) {
   enum { steps = 5000 };
   const double corner[8] = {0, 0, 1, 0, 1, 1, 0, 1}, load[8] = {0};
   plate p = {.solid = dlsi_solid_make(2e5, 0.3, steel)};
@@ -425,18 +408,16 @@ START_TEST(one_element_compressed) {
   ck_assert_double_eq_tol(stress, -655.95, 1e-3 * 655.95);
   plate_free(&p);
 }
-END_TEST
 
 /* ---- obstacle -------------------------------------------------------------------------------- */
 
-START_TEST(plane_and_cylinder) {
+TEST(plane_and_cylinder) {
   const dlsi_piece floor_piece = {.a = {0, 0}, .b = {2, 2}}; /* body above the diagonal */
   const dlsi_obstacle ramp = {1, &floor_piece};
   const double x[2] = {-7, -5};
   double n[2], curvature;
   ck_assert_double_eq_tol(dlsi_obstacle_gap(&ramp, x, n, &curvature), sqrt(2), 1e-14);
-  ck_assert_double_eq_tol(n[0], -sqrt(0.5), 1e-15);
-  ck_assert_double_eq_tol(n[1], sqrt(0.5), 1e-15);
+  assert_near(n, (double[]){-sqrt(0.5), sqrt(0.5)}, 2, 1e-15);
   ck_assert(curvature == 0);
   const dlsi_piece round = {.c = {1, 2}, .radius = 3, .side = 1};
   const dlsi_obstacle cylinder = {1, &round};
@@ -447,11 +428,10 @@ START_TEST(plane_and_cylinder) {
   ck_assert_double_eq_tol(dlsi_obstacle_gap(&cylinder, inside, n, &curvature), -1, 1e-14);
   ck_assert_double_eq_tol(n[1], -1, 1e-15);
 }
-END_TEST
 
 /* Line, quarter of a circle, line, the body in the hollow: along a path near the wall, on either
  * side, gap and normal are continuous, the gap's gradient is n, and n turns by the curvature. */
-START_TEST(profile_with_joints) {
+TEST(profile_with_joints) {
   const dlsi_piece pieces[3] = {{.a = {-5, 0}, .b = {0, 0}},
                                 {.a = {0, 0}, .b = {2, 2}, .c = {0, 2}, .radius = 2, .side = -1},
                                 {.a = {2, 2}, .b = {2, 7}}};
@@ -467,8 +447,7 @@ START_TEST(profile_with_joints) {
       const double x[2] = {foot[0] + out * normal[0], foot[1] + out * normal[1]};
       double n[2], curvature;
       ck_assert_double_eq_tol(dlsi_obstacle_gap(&hollow, x, n, &curvature), out, 1e-13);
-      ck_assert_double_eq_tol(n[0], normal[0], 1e-13);
-      ck_assert_double_eq_tol(n[1], normal[1], 1e-13);
+      assert_near(n, (double[]){normal[0], normal[1]}, 2, 1e-13);
       ck_assert_double_le(hypot(n[0] - before[0], n[1] - before[1]), 2e-3);
       memcpy(before, n, sizeof n);
       const double round = s > 1e-9 && s < arc - 1e-9 ? -1 / (2 - out) : 0;
@@ -476,11 +455,10 @@ START_TEST(profile_with_joints) {
     }
   }
 }
-END_TEST
 
 /* By hand, lines that meet at a convex corner (0, 0): from (-4, 0) to b = (0, 0), the body above,
  * then down to (4, -3). Beyond end b of the first line the corner is its nearest point. */
-START_TEST(beyond_the_end_of_a_line) {
+TEST(beyond_the_end_of_a_line) {
   const dlsi_piece pieces[2] = {{.a = {-4, 0}, .b = {0, 0}}, {.a = {0, 0}, .b = {4, -3}}};
   const dlsi_obstacle wedge = {2, pieces};
   const struct {
@@ -495,16 +473,14 @@ START_TEST(beyond_the_end_of_a_line) {
   for (size_t k = 0; k < sizeof at / sizeof at[0]; k++) {
     double n[2], curvature;
     ck_assert_double_eq_tol(dlsi_obstacle_gap(&wedge, at[k].x, n, &curvature), at[k].gap, 1e-14);
-    ck_assert_double_eq_tol(n[0], at[k].n[0], 1e-15);
-    ck_assert_double_eq_tol(n[1], at[k].n[1], 1e-15);
+    assert_near(n, (double[]){at[k].n[0], at[k].n[1]}, 2, 1e-15);
     ck_assert(curvature == 0);
   }
 }
-END_TEST
 
 /* A hook: a long line, and a short one that turns back above it, whose free end is a or b. The line
  * of the short one is drawn on beyond that end, and nearer than the long one. */
-START_TEST(free_ends_are_drawn_on) {
+TEST(free_ends_are_drawn_on) {
   const double tip[2] = {-0.4, 0.3}, x[2] = {-1.66, 1.12};
   const dlsi_piece free_b[2] = {{.a = {-4, 0}, .b = {0, 0}}, {.a = {0, 0}, .b = {tip[0], tip[1]}}};
   const dlsi_piece free_a[2] = {{.a = {tip[0], tip[1]}, .b = {0, 0}}, {.a = {0, 0}, .b = {-4, 0}}};
@@ -513,15 +489,13 @@ START_TEST(free_ends_are_drawn_on) {
     const double side = k ? -1 : 1;
     double n[2], curvature;
     ck_assert_double_eq_tol(dlsi_obstacle_gap(&hook, x, n, &curvature), side * 0.1, 1e-14);
-    ck_assert_double_eq_tol(n[0], side * -0.6, 1e-15);
-    ck_assert_double_eq_tol(n[1], side * -0.8, 1e-15);
+    assert_near(n, (double[]){side * -0.6, side * -0.8}, 2, 1e-15);
   }
 }
-END_TEST
 
 /* ---- band ------------------------------------------------------------------------------------ */
 
-START_TEST(band_solves_with_supports) {
+TEST(band_solves_with_supports) {
   enum { n = 12, k = 3, known = 5 };
   dlsi_band band;
   double A[n * n] = {0}, x[n], f[n] = {0};
@@ -542,8 +516,7 @@ START_TEST(band_solves_with_supports) {
   dlsi_band_load(&band);
   ck_assert(dlsi_band_factor(&band));
   ck_assert_int_eq(dlsi_band_solve(&band, f, n, 1), 0);
-  for (int i = 0; i < n; i++)
-    ck_assert_double_eq_tol(f[i], x[i], 1e-13);
+  assert_near(f, x, n, 1e-13);
   dlsi_band_clear(&band);
   dlsi_band_load(&band);
   ck_assert(!dlsi_band_factor(&band));
@@ -555,11 +528,10 @@ START_TEST(band_solves_with_supports) {
   }
   malloc_fails_at(0);
 }
-END_TEST
 
 /* A hollow of two lines and an arc between: points at the centre of the arc and beyond are in front
  * of it, not inside, and see the nearer line. */
-START_TEST(obstacle_beyond_the_centre) {
+TEST(obstacle_beyond_the_centre) {
   const double half = acos(-1) / 8, s = sin(half), c = cos(half), radius = 2;
   /* about the origin, the arc at the right; lines along its tangents */
   const double a[2] = {radius * c, -radius * s}, b[2] = {radius * c, radius * s};
@@ -577,15 +549,4 @@ START_TEST(obstacle_beyond_the_centre) {
       ck_assert_double_eq_tol(n[0], -c, 1e-14);
       ck_assert(curvature == 0 && fabs(fabs(n[1]) - s) < 1e-14);
     }
-}
-END_TEST
-
-int main(void) {
-  return RUN(
-      "solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
-      ONCE(return_mapping), ONCE(bad_points), EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
-      EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work), ONCE(inside_out),
-      EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed), ONCE(plane_and_cylinder),
-      ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line), ONCE(free_ends_are_drawn_on),
-      ONCE(obstacle_beyond_the_centre), ONCE(band_solves_with_supports));
 }

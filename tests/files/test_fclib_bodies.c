@@ -1,7 +1,4 @@
 /* test_fclib_bodies.c: which global problems are read as rigid bodies, and the result. */
-#include <check.h>
-#include <string.h>
-
 #include "files/fclib_bodies.h"
 #include "run.h"
 
@@ -45,7 +42,7 @@ static void expect_none(const two_bodies *t) {
 
 /* H_1 := L_1^-1 H_1, L_1 = diag(2, 2, 1); H_2 := L_2^-1 H_2, L_2 = [2 0 0; 1 2 0; 0 0 3];
  * q = w + H^T (1, 2, 5, 1, 3, 1). */
-START_TEST(two_bodies_by_hand) {
+TEST(two_bodies_by_hand) {
   static const double H[12] = {.5, 0, 0, 0, .5, 3, 0, -1, 0, 2, -1, 2};
   two_bodies t;
   dlsi_fclib_bodies B;
@@ -57,10 +54,9 @@ START_TEST(two_bodies_by_hand) {
   dlsi_fclib_bodies_free(&B);
   ck_assert_ptr_null(B.body);
 }
-END_TEST
 
 /* Another place of M than its blocks; M_2 not symmetric; M_1, M_2 not positive definite. */
-START_TEST(other_matrices_are_no_bodies) {
+TEST_EACH(other_matrices_are_no_bodies, 0, 7) {
   static const struct {
     int k;
     double x;
@@ -70,9 +66,8 @@ START_TEST(other_matrices_are_no_bodies) {
   t.Mx[change[_i].k] = change[_i].x;
   expect_none(&t);
 }
-END_TEST
 
-START_TEST(other_shapes_are_no_bodies) {
+TEST(other_shapes_are_no_bodies) {
   two_bodies t;
   make_two(&t);
   t.of.M.rows = t.of.M.cols = 4; /* no whole number of bodies */
@@ -82,10 +77,9 @@ START_TEST(other_shapes_are_no_bodies) {
   t.of.nc = 0;
   expect_none(&t);
 }
-END_TEST
 
 /* A third body in a row of H, and one that its number 0 leaves out. */
-START_TEST(a_candidate_moves_two_bodies) {
+TEST(a_candidate_moves_two_bodies) {
   for (int third = 0; third < 2; third++) {
     int Mp[10], Mi[9], Hp[2][2] = {{0, 2}, {0, 2}}, Hi[2][2] = {{0, 3}, {3, 6}};
     double Mx[9], f[9] = {0}, Hx[2][2] = {{1, -1}, {1, third ? -1 : 0}}, w[2] = {0};
@@ -107,10 +101,9 @@ START_TEST(a_candidate_moves_two_bodies) {
     dlsi_fclib_bodies_free(&B);
   }
 }
-END_TEST
 
 /* A candidate with the ground beside one body: its second body is none. */
-START_TEST(one_body_on_the_ground) {
+TEST(one_body_on_the_ground) {
   two_bodies t;
   dlsi_fclib_bodies B;
   make_two(&t);
@@ -122,11 +115,4 @@ START_TEST(one_body_on_the_ground) {
   for (int k = 6; k < 12; k++)
     ck_assert(B.H[k] == 0);
   dlsi_fclib_bodies_free(&B);
-}
-END_TEST
-
-int main(void) {
-  return RUN("fclib_bodies", NULL, NULL, ONCE(two_bodies_by_hand),
-             EACH(other_matrices_are_no_bodies, 0, 7), ONCE(other_shapes_are_no_bodies),
-             ONCE(a_candidate_moves_two_bodies), ONCE(one_body_on_the_ground));
 }

@@ -1,17 +1,9 @@
 /* test_fclib_joints.c: joints in FCLIB files: G, b and l of a global problem. */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "delassus/files.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "files/fclib_joints.h"
 #include "linkage.h"
-#include "malloc_fails.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -56,7 +48,7 @@ static void hang(const dls_model *model, const double *f, double *r, double *x) 
 }
 
 /* Half the weight stands on the ground, half hangs on the pins, whichever of them carries it. */
-START_TEST(round_trip) {
+TEST_EACH(round_trip, 0, 4) {
   const dls_model *model = hanging(_i & 1 ? DLS_LU : DLS_LDLT, _i & 2);
   double r[2], x[7], again[2], y[7];
   hang(model, L.f, r, x);
@@ -87,10 +79,9 @@ START_TEST(round_trip) {
   ck_assert_double_eq_tol(y[4] + y[6], -2, 1e-12);
   dls_fclib_destroy(file);
 }
-END_TEST
 
 /* A K with a diagonal among the multipliers is no M and G, nor is one that is unsymmetric there. */
-START_TEST(written_whole) {
+TEST_EACH(written_whole, 0, 2) {
   (void)hanging(DLS_LU, 1);
   if (_i)
     dlsi_triplets_add(&L.K, 3, 3, -1e-3);
@@ -106,9 +97,8 @@ START_TEST(written_whole) {
   dlsi_fclib_split_free(&split);
   dlsi_columns_free(&K);
 }
-END_TEST
 
-START_TEST(failing_mallocs) {
+TEST(failing_mallocs) {
   const dls_model *model = hanging(DLS_LDLT, 1);
   double r[2], x[7];
   hang(model, L.f, r, x);
@@ -117,17 +107,9 @@ START_TEST(failing_mallocs) {
   MALLOCS_FAIL(dls_fclib_read(&file, path, NULL), !file, DLS_OK, 1);
   dls_fclib_destroy(file);
 }
-END_TEST
 
 int main(void) {
-  return RUN("joints in files", named, remove_file, EACH(round_trip, 0, 4),
-             EACH(written_whole, 0, 2), ONCE(failing_mallocs));
-}
-
-#else
-
-int main(void) {
-  return 0;
+  return run_tests("joints in files", named, remove_file);
 }
 
 #endif

@@ -2,14 +2,8 @@
  * refused. */
 #define _POSIX_C_SOURCE 200809L
 
-#include <check.h>
-#include <limits.h>
 #include <locale.h>
-#include <math.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,10 +12,7 @@
 #include <hdf5.h>
 #endif
 
-#include "delassus/files.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
-#include "malloc_fails.h"
+#include "delassus.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -86,14 +77,13 @@ static void check_error(const dls_error *error, dls_status status, dls_status ex
 
 /* ---- Matrix Market --------------------------------------------------------------------------- */
 
-START_TEST(mtx_of_data) {
+TEST(mtx_of_data) {
   int rows = 0, cols = 0;
   double *a = NULL;
   ck_assert_int_eq(dls_mtx_read(TEST_DATA "/lcp/lcp_CPS_1_M.mtx", &rows, &cols, &a, NULL), DLS_OK);
   ck_assert_int_eq(rows, 2);
   ck_assert_int_eq(cols, 2);
-  for (int k = 0; k < 4; k++)
-    ck_assert(a[k] == 1);
+  assert_all(a, 4, 1);
   dls_mtx_free(a);
   ck_assert_int_eq(dls_mtx_read(TEST_DATA "/lcp/lcp_CPS_1_q.mtx", &rows, &cols, &a, NULL), DLS_OK);
   ck_assert(rows == 2 && cols == 1 && a[0] == -1 && a[1] == -1);
@@ -120,7 +110,6 @@ START_TEST(mtx_of_data) {
   ck_assert(rows == 9 && cols == 1);
   dls_mtx_free(a);
 }
-END_TEST
 
 static const struct {
   const char *text;
@@ -167,10 +156,9 @@ static void read_good_mtx(void) {
   (void)remove(path);
 }
 
-START_TEST(mtx_variants) {
+TEST(mtx_variants) {
   read_good_mtx();
 }
-END_TEST
 
 #define ARRAY      "%%MatrixMarket matrix array real general\n"
 #define COORDINATE "%%MatrixMarket matrix coordinate real general\n"
@@ -241,7 +229,7 @@ static const struct {
     {"%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n3\n4\n", DLS_E_FORMAT, 6},
 };
 
-START_TEST(mtx_broken) {
+TEST(mtx_broken) {
   for (size_t k = 0; k < sizeof bad_mtx / sizeof bad_mtx[0]; k++) {
     write_text(path, bad_mtx[k].text);
     int rows = -7, cols = -8;
@@ -255,49 +243,46 @@ START_TEST(mtx_broken) {
   }
   (void)remove(path);
 }
-END_TEST
 
-START_TEST(mtx_arguments) {
+TEST(mtx_arguments) {
   int rows = -7, cols = -8;
   double *a = &(double){0};
   dls_error error = {0};
-  check_error(&error, dls_mtx_read(NULL, &rows, &cols, &a, &error), DLS_E_ARGUMENT, "path", -1);
+  REFUSES(ARGUMENT, "path", -1, dls_mtx_read, NULL, &rows, &cols, &a);
   ck_assert_ptr_null(a);
-  check_error(&error, dls_mtx_read(path, NULL, &cols, &a, &error), DLS_E_ARGUMENT, "rows", -1);
-  check_error(&error, dls_mtx_read(path, &rows, NULL, &a, &error), DLS_E_ARGUMENT, "cols", -1);
-  check_error(&error, dls_mtx_read(path, &rows, &cols, NULL, &error), DLS_E_ARGUMENT, "a", -1);
+  REFUSES(ARGUMENT, "rows", -1, dls_mtx_read, path, NULL, &cols, &a);
+  REFUSES(ARGUMENT, "cols", -1, dls_mtx_read, path, &rows, NULL, &a);
+  REFUSES(ARGUMENT, "a", -1, dls_mtx_read, path, &rows, &cols, NULL);
   a = &(double){0};
-  check_error(&error, dls_mtx_read(path, &rows, &cols, &a, &error), DLS_E_FILE, "path", -1);
+  REFUSES(FILE, "path", -1, dls_mtx_read, path, &rows, &cols, &a);
   ck_assert_ptr_null(a);
-  check_error(&error, dls_mtx_read(scratch, &rows, &cols, &a, &error), DLS_E_FILE, "path", -1);
+  REFUSES(FILE, "path", -1, dls_mtx_read, scratch, &rows, &cols, &a);
   ck_assert(rows == -7 && cols == -8);
   dls_mtx_free(NULL);
 
   const double x[4] = {1, 2, NAN, 4};
   const dls_dense A = {2, 2, 2, x}, no_rows = {0, 2, 2, x}, no_cols = {2, 0, 2, x},
                   short_ld = {2, 1, 1, x}, null = {2, 2, 2, NULL}, good = {2, 1, 2, x};
-  check_error(&error, dls_mtx_write(NULL, &good, &error), DLS_E_ARGUMENT, "path", -1);
-  check_error(&error, dls_mtx_write(path, NULL, &error), DLS_E_ARGUMENT, "A", -1);
-  check_error(&error, dls_mtx_write(path, &null, &error), DLS_E_ARGUMENT, "A", -1);
-  check_error(&error, dls_mtx_write(path, &A, &error), DLS_E_NOT_FINITE, "A", 2);
-  check_error(&error, dls_mtx_write(path, &no_rows, &error), DLS_E_SIZE, "A", -1);
-  check_error(&error, dls_mtx_write(path, &no_cols, &error), DLS_E_SIZE, "A", -1);
-  check_error(&error, dls_mtx_write(path, &short_ld, &error), DLS_E_SIZE, "A", -1);
-  check_error(&error, dls_mtx_write_commented(path, &good, "two\nlines", &error), DLS_E_ARGUMENT,
-              "comment", -1);
+  REFUSES(ARGUMENT, "path", -1, dls_mtx_write, NULL, &good);
+  REFUSES(ARGUMENT, "A", -1, dls_mtx_write, path, NULL);
+  REFUSES(ARGUMENT, "A", -1, dls_mtx_write, path, &null);
+  REFUSES(NOT_FINITE, "A", 2, dls_mtx_write, path, &A);
+  REFUSES(SIZE, "A", -1, dls_mtx_write, path, &no_rows);
+  REFUSES(SIZE, "A", -1, dls_mtx_write, path, &no_cols);
+  REFUSES(SIZE, "A", -1, dls_mtx_write, path, &short_ld);
+  REFUSES(ARGUMENT, "comment", -1, dls_mtx_write_commented, path, &good, "two\nlines");
   ck_assert(!exists(path));
   ck_assert_int_eq(dls_mtx_write_commented(path, &good, "one line", &error), DLS_OK);
   ck_assert_int_eq(dls_mtx_read(path, &rows, &cols, &a, &error), DLS_OK);
   ck_assert(rows == 2 && cols == 1 && a[1] == 2);
   dls_mtx_free(a);
   (void)remove(path);
-  check_error(&error, dls_mtx_write(scratch, &good, &error), DLS_E_FILE, "path", -1);
+  REFUSES(FILE, "path", -1, dls_mtx_write, scratch, &good);
   dls_status status = DLS_OK;
   ON_A_FULL_DISK(20, status = dls_mtx_write(path, &good, &error));
   check_error(&error, status, DLS_E_FILE, "path", -1);
   ck_assert(!exists(path));
 }
-END_TEST
 
 static void round_trip_mtx(void) {
   /* a 3 x 2 view with leading dimension 4; the gaps must not be written */
@@ -320,13 +305,12 @@ static void round_trip_mtx(void) {
   (void)remove(path);
 }
 
-START_TEST(mtx_round_trip) {
+TEST(mtx_round_trip) {
   round_trip_mtx();
 }
-END_TEST
 
 /* Runs where some locale with a decimal comma is installed. */
-START_TEST(mtx_under_another_locale) {
+TEST(mtx_under_another_locale) {
   static const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE.utf8", "fr_FR.utf8",
                                       "de_DE",       "fr_FR",       "it_IT.UTF-8"};
   for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
@@ -338,7 +322,6 @@ START_TEST(mtx_under_another_locale) {
       return;
     }
 }
-END_TEST
 
 /* An error that tells of memory, and of no argument. */
 static int of_memory(const dls_error *e) {
@@ -346,7 +329,7 @@ static int of_memory(const dls_error *e) {
   return 1;
 }
 
-START_TEST(mtx_malloc_fails) {
+TEST(mtx_malloc_fails) {
   write_text(path, good_mtx[0].text);
   int rows = -7, cols = -8;
   double *a = NULL;
@@ -357,7 +340,6 @@ START_TEST(mtx_malloc_fails) {
   dls_mtx_free(a);
   (void)remove(path);
 }
-END_TEST
 
 /* ---- FCLIB ----------------------------------------------------------------------------------- */
 
@@ -446,7 +428,7 @@ static void check_local2(const char *name) {
   dls_fclib_destroy(file);
 }
 
-START_TEST(local_files_of_data) {
+TEST(local_files_of_data) {
   dls_fclib *file = read_well(TEST_DATA "/fclib/FC3D_Example1.hdf5");
   dls_contact problem;
   ck_assert_str_eq(dls_fclib_title(file), "FC3D_Example1");
@@ -475,9 +457,8 @@ START_TEST(local_files_of_data) {
   ck_assert(problem.d == 3 && problem.nc == 4 && problem.Wb.p[4] == 16);
   dls_fclib_destroy(file);
 }
-END_TEST
 
-START_TEST(global_files_of_data) {
+TEST(global_files_of_data) {
   /* M = 1, the candidate's three columns join unknowns 0 and 6, 1 and 7, 2 and 8 */
   dls_fclib *file = read_well(TEST_DATA "/fclib/GFC3D_Example0.hdf5");
   dls_model model;
@@ -507,11 +488,10 @@ START_TEST(global_files_of_data) {
   ck_assert(model.HN.cols == 69 && model.HT.cols == 69);
   dls_fclib_destroy(file);
 }
-END_TEST
 
 /* A global problem of rigid bodies is W = H^T H with the u of its reduction; v = M^-1 (H r + f) of
  * another one, or of none, is refused. */
-START_TEST(bodies_of_data) {
+TEST_EACH(bodies_of_data, 0, 4) {
   static const char *const name[] = {"gfc2d_granularflowonwall_00069_00350", "GFC3D_OneContact",
                                      "GFC3D_Example0", "FC3D_Example1"};
   static const dls_status expected[] = {DLS_OK, DLS_E_UNSUPPORTED, DLS_E_UNSUPPORTED,
@@ -547,10 +527,9 @@ START_TEST(bodies_of_data) {
   }
   dls_fclib_destroy(file);
 }
-END_TEST
 
 /* M of CubeH8 is a lower triangle, and all of it counts. */
-START_TEST(matrix_of_a_file_is_whole) {
+TEST(matrix_of_a_file_is_whole) {
   dls_fclib *file = read_well(TEST_DATA "/fclib/CubeH8.hdf5");
   dls_model model;
   const double *f, *g, *mu;
@@ -561,10 +540,9 @@ START_TEST(matrix_of_a_file_is_whole) {
   ck_assert_int_eq(dls_model_check(&model, NULL), DLS_E_ARGUMENT);
   dls_fclib_destroy(file);
 }
-END_TEST
 
 /* every problem of data/, written and read again, has the same numbers in the same places */
-START_TEST(data_round_trip) {
+TEST(data_round_trip) {
   static const char *const locals[] = {"FC3D_Example1", "FC2D_SliderCrankLagrangian00000",
                                        "Confeti-ex13-4contact-Fc3D-SBM"};
   static const char *const globals[] = {"GFC3D_Example0", "GFC3D_OneContact",
@@ -621,9 +599,8 @@ START_TEST(data_round_trip) {
   }
   (void)remove(path);
 }
-END_TEST
 
-START_TEST(local_round_trip) {
+TEST(local_round_trip) {
   ck_assert_int_eq(write_local2(NULL), DLS_OK);
   check_local2(path);
   dls_fclib *file = read_well(path);
@@ -672,9 +649,8 @@ START_TEST(local_round_trip) {
   dls_fclib_destroy(file);
   (void)remove(path);
 }
-END_TEST
 
-START_TEST(global_round_trip) {
+TEST(global_round_trip) {
   dls_model model;
   const double *f, *g, *mu, *r, *u;
   ck_assert_int_eq(write_model3(NULL), DLS_OK);
@@ -732,7 +708,6 @@ START_TEST(global_round_trip) {
   }
   (void)remove(path);
 }
-END_TEST
 
 /* ---- files that HDF5 itself makes ------------------------------------------------------------ */
 
@@ -787,7 +762,7 @@ static void patch_size(const char *matrix, double rows, double cols) {
 }
 
 /* Without candidates a file comes back, and its problem is solved. */
-START_TEST(no_candidates_round_trip) {
+TEST(no_candidates_round_trip) {
   double xx[2] = {2, 3}, f[2] = {4, 6}, x[2] = {0};
   const int pp[3] = {0, 1, 2}, ii[2] = {0, 1};
   const dls_contact none = {.d = 3};
@@ -823,7 +798,6 @@ START_TEST(no_candidates_round_trip) {
     dls_fclib_destroy(file);
   }
 }
-END_TEST
 
 static const char *other_file(void) {
   static char name[sizeof path];
@@ -866,7 +840,7 @@ static void stretch_set(const char *name, size_t count) {
 }
 
 /* A file must not take more memory than its size explains, nor open another file. */
-START_TEST(fclib_claims) {
+TEST(fclib_claims) {
   static const char *const room = "claims more values than the file has room for";
   static const struct {
     size_t count, size, chunk;
@@ -877,26 +851,24 @@ START_TEST(fclib_claims) {
              {64, 4, 0, 1, room}};
   for (size_t k = 0; k < sizeof odd / sizeof odd[0]; k++) {
     dls_fclib *file;
-    dls_error error = {0};
     ck_assert_int_eq(write_local2(NULL), DLS_OK);
     patch_odd("fclib_local/W/i", odd[k].count, odd[k].size, odd[k].chunk, odd[k].outside);
-    check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_FORMAT, "W/i", -1);
-    ck_assert_msg(strstr(error.message, odd[k].text) != NULL, "%zu: %s", k, error.message);
+    REFUSES(FORMAT, "W/i", -1, dls_fclib_read, &file, path);
+    ck_assert_msg(strstr(last_refusal.message, odd[k].text) != NULL, "%zu: %s", k,
+                  last_refusal.message);
   }
   /* extents far beyond the few values that were written */
   dls_fclib *file;
-  dls_error error = {0};
   ck_assert_int_eq(write_local2(NULL), DLS_OK);
   patch_odd("fclib_local/W/i", 64, 4, 8, 0);
   stretch_set("fclib_local/W/i", 1000000000);
-  check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_FORMAT, "W/i", -1);
-  ck_assert_msg(strstr(error.message, room) != NULL, "%s", error.message);
+  REFUSES(FORMAT, "W/i", -1, dls_fclib_read, &file, path);
+  ck_assert_msg(strstr(last_refusal.message, room) != NULL, "%s", last_refusal.message);
   (void)remove(other_file());
 }
-END_TEST
 
 /* Deflate holds more values than bytes: as many as it can. */
-START_TEST(fclib_deflated) {
+TEST(fclib_deflated) {
   static const struct {
     size_t count, chunk;
   } sets[] = {{64, 1}, {64, 65536}, {4000000, 65536}, {4000000, 1000}};
@@ -909,7 +881,6 @@ START_TEST(fclib_deflated) {
     dls_fclib_destroy(file);
   }
 }
-END_TEST
 
 /* Lets this process have so many megabytes more than it has; -1: all. Not under the address
  * sanitizer, which takes terabytes of addresses. */
@@ -933,7 +904,7 @@ static void allow_memory(int megabytes) {
 
 /* SECURITY.md: a few values in one large chunk, here of 120 MB, take no memory out of proportion,
  * nor do many values of which a few are wanted. */
-START_TEST(fclib_takes_memory_in_proportion) {
+TEST(fclib_takes_memory_in_proportion) {
   static const struct {
     size_t count, chunk;
     dls_status status;
@@ -955,10 +926,9 @@ START_TEST(fclib_takes_memory_in_proportion) {
       ck_assert_str_eq(error.argument, "W/i");
   }
 }
-END_TEST
 
 /* Links into another file are not followed, neither to a group nor to a data set. */
-START_TEST(fclib_links_stay_inside) {
+TEST(fclib_links_stay_inside) {
   static const char *const names[] = {"fclib_local", "fclib_local/vectors/q"};
   for (int k = 0; k < 2; k++) {
     dls_fclib *file;
@@ -974,9 +944,8 @@ START_TEST(fclib_links_stay_inside) {
     (void)remove(other_file());
   }
 }
-END_TEST
 
-START_TEST(other_layouts) {
+TEST(other_layouts) {
   /* by rows, 64-bit indices, arrays longer than used, big-endian */
   double rows[20] = {0};
   for (int k = 0; k < 16; k++)
@@ -1060,7 +1029,6 @@ START_TEST(other_layouts) {
   check_local2(path);
   (void)remove(path);
 }
-END_TEST
 
 #define LIST(...)                                                                                  \
   sizeof((double[]){__VA_ARGS__}) / sizeof(double), {                                              \
@@ -1188,23 +1156,21 @@ static void check_broken(const struct broken *b) {
   ck_assert_msg(told == value || (told != told && value != value), "%s: %g", b->set, told);
 }
 
-START_TEST(broken_local_file) {
+TEST_EACH(broken_local_file, 0, (int)(sizeof broken_local / sizeof broken_local[0])) {
   ck_assert_int_eq(write_local2(NULL), DLS_OK);
   apply("fclib_local", &broken_local[_i]);
   check_broken(&broken_local[_i]);
   (void)remove(path);
 }
-END_TEST
 
-START_TEST(broken_global_file) {
+TEST_EACH(broken_global_file, 0, (int)(sizeof broken_global / sizeof broken_global[0])) {
   ck_assert_int_eq(write_model3(NULL), DLS_OK);
   apply("fclib_global", &broken_global[_i]);
   check_broken(&broken_global[_i]);
   (void)remove(path);
 }
-END_TEST
 
-START_TEST(broken_together) {
+TEST(broken_together) {
   /* two thousand million rows without an entry: nothing vouches for them but q, which is short */
   ck_assert_int_eq(write_local2(NULL), DLS_OK);
   patch_size("fclib_local/W", 2e9, 2e9);
@@ -1258,7 +1224,6 @@ START_TEST(broken_together) {
   dls_fclib_destroy(read_well(path));
   (void)remove(path);
 }
-END_TEST
 
 static int handler_calls;
 
@@ -1269,7 +1234,7 @@ static herr_t count_calls(hid_t stack, void *data) {
   return 0;
 }
 
-START_TEST(no_whole_hdf5_file) {
+TEST(no_whole_hdf5_file) {
   check_refused(path, DLS_E_FILE, "path", -1); /* missing */
   check_refused(scratch, DLS_E_FILE, "path", -1);
   write_text(path, "");
@@ -1308,14 +1273,12 @@ START_TEST(no_whole_hdf5_file) {
   ck_assert_int_ge(H5Eset_auto2(H5E_DEFAULT, before, data), 0);
   (void)remove(path);
 }
-END_TEST
 
-START_TEST(fclib_arguments) {
-  dls_error error = {0};
+TEST(fclib_arguments) {
   dls_fclib *local = NULL, *global = NULL;
-  check_error(&error, dls_fclib_read(NULL, path, &error), DLS_E_ARGUMENT, "out", -1);
+  REFUSES(ARGUMENT, "out", -1, dls_fclib_read, NULL, path);
   local = (dls_fclib *)&local;
-  check_error(&error, dls_fclib_read(&local, NULL, &error), DLS_E_ARGUMENT, "path", -1);
+  REFUSES(ARGUMENT, "path", -1, dls_fclib_read, &local, NULL);
   ck_assert_ptr_null(local);
   dls_fclib_destroy(NULL);
   ck_assert_int_eq(dls_fclib_is_global(NULL), 0);
@@ -1328,68 +1291,52 @@ START_TEST(fclib_arguments) {
   dls_contact problem = {.d = 77};
   dls_model model = {.d = 77};
   const double *f = q4, *g = q4, *mu = q4, *r = q4, *u = q4;
-  check_error(&error, dls_fclib_contact(NULL, &problem, &error), DLS_E_ARGUMENT, "file", -1);
-  check_error(&error, dls_fclib_contact(global, &problem, &error), DLS_E_ARGUMENT, "file", -1);
-  check_error(&error, dls_fclib_contact(local, NULL, &error), DLS_E_ARGUMENT, "problem", -1);
-  check_error(&error, dls_fclib_model(NULL, &model, &f, &g, &mu, &error), DLS_E_ARGUMENT, "file",
-              -1);
-  check_error(&error, dls_fclib_model(local, &model, &f, &g, &mu, &error), DLS_E_ARGUMENT, "file",
-              -1);
-  check_error(&error, dls_fclib_model(global, NULL, &f, &g, &mu, &error), DLS_E_ARGUMENT, "model",
-              -1);
-  check_error(&error, dls_fclib_model(global, &model, NULL, &g, &mu, &error), DLS_E_ARGUMENT, "f",
-              -1);
-  check_error(&error, dls_fclib_model(global, &model, &f, NULL, &mu, &error), DLS_E_ARGUMENT, "g",
-              -1);
-  check_error(&error, dls_fclib_model(global, &model, &f, &g, NULL, &error), DLS_E_ARGUMENT, "mu",
-              -1);
-  check_error(&error, dls_fclib_solution(NULL, &r, &u, &error), DLS_E_ARGUMENT, "file", -1);
-  check_error(&error, dls_fclib_solution(local, NULL, &u, &error), DLS_E_ARGUMENT, "r", -1);
-  check_error(&error, dls_fclib_solution(local, &r, NULL, &error), DLS_E_ARGUMENT, "u", -1);
+  REFUSES(ARGUMENT, "file", -1, dls_fclib_contact, NULL, &problem);
+  REFUSES(ARGUMENT, "file", -1, dls_fclib_contact, global, &problem);
+  REFUSES(ARGUMENT, "problem", -1, dls_fclib_contact, local, NULL);
+  REFUSES(ARGUMENT, "file", -1, dls_fclib_model, NULL, &model, &f, &g, &mu);
+  REFUSES(ARGUMENT, "file", -1, dls_fclib_model, local, &model, &f, &g, &mu);
+  REFUSES(ARGUMENT, "model", -1, dls_fclib_model, global, NULL, &f, &g, &mu);
+  REFUSES(ARGUMENT, "f", -1, dls_fclib_model, global, &model, NULL, &g, &mu);
+  REFUSES(ARGUMENT, "g", -1, dls_fclib_model, global, &model, &f, NULL, &mu);
+  REFUSES(ARGUMENT, "mu", -1, dls_fclib_model, global, &model, &f, &g, NULL);
+  REFUSES(ARGUMENT, "file", -1, dls_fclib_solution, NULL, &r, &u);
+  REFUSES(ARGUMENT, "r", -1, dls_fclib_solution, local, NULL, &u);
+  REFUSES(ARGUMENT, "u", -1, dls_fclib_solution, local, &r, NULL);
   ck_assert(problem.d == 77 && model.d == 77 && f == q4 && g == q4 && mu == q4 && r == q4 &&
             u == q4);
   dls_fclib_destroy(local);
   dls_fclib_destroy(global);
   (void)remove(path);
 }
-END_TEST
 
 /* status of writing `problem` and `model`, with one argument after the other spoilt */
-START_TEST(write_arguments) {
+TEST(write_arguments) {
   dls_error error = {0};
   const double bad4[4] = {1, 2, NAN, 4}, bad5[5] = {1, 2, NAN, 4, 5},
                bad6[6] = {0, 1, 2, 3, 4, INFINITY}, minus[2] = {1, -1};
   dls_contact problem = local2;
-  check_error(&error, dls_fclib_write_local(NULL, &problem, "", r4, u4, &error), DLS_E_ARGUMENT,
-              "path", -1);
-  check_error(&error, dls_fclib_write_local(path, NULL, "", r4, u4, &error), DLS_E_ARGUMENT,
-              "problem", -1);
-  check_error(&error, dls_fclib_write_local(path, &problem, "", NULL, u4, &error), DLS_E_ARGUMENT,
-              "r", -1);
-  check_error(&error, dls_fclib_write_local(path, &problem, "", r4, NULL, &error), DLS_E_ARGUMENT,
-              "u", -1);
-  check_error(&error, dls_fclib_write_local(path, &problem, "", bad4, u4, &error), DLS_E_NOT_FINITE,
-              "r", 2);
-  check_error(&error, dls_fclib_write_local(path, &problem, "", r4, bad4, &error), DLS_E_NOT_FINITE,
-              "u", 2);
+  REFUSES(ARGUMENT, "path", -1, dls_fclib_write_local, NULL, &problem, "", r4, u4);
+  REFUSES(ARGUMENT, "problem", -1, dls_fclib_write_local, path, NULL, "", r4, u4);
+  REFUSES(ARGUMENT, "r", -1, dls_fclib_write_local, path, &problem, "", NULL, u4);
+  REFUSES(ARGUMENT, "u", -1, dls_fclib_write_local, path, &problem, "", r4, NULL);
+  REFUSES(NOT_FINITE, "r", 2, dls_fclib_write_local, path, &problem, "", bad4, u4);
+  REFUSES(NOT_FINITE, "u", 2, dls_fclib_write_local, path, &problem, "", r4, bad4);
   problem.q = bad4;
-  check_error(&error, dls_fclib_write_local(path, &problem, "", r4, u4, &error), DLS_E_NOT_FINITE,
-              "q", 2);
+  REFUSES(NOT_FINITE, "q", 2, dls_fclib_write_local, path, &problem, "", r4, u4);
 
   const double one[1] = {1}, free_of[1] = {0}, bonded[2] = {0.5, INFINITY};
   const dls_contact line = {.d = 1, .nc = 1, .W = {1, 1, 1, one}, .q = one, .mu = free_of};
-  check_error(&error, dls_fclib_write_local(path, &line, "", NULL, NULL, &error), DLS_E_UNSUPPORTED,
-              "d", -1);
-  ck_assert(error.value == 1);
+  REFUSES(UNSUPPORTED, "d", -1, dls_fclib_write_local, path, &line, "", NULL, NULL);
+  ck_assert(last_refusal.value == 1);
   problem = local2;
   problem.mu = bonded;
-  check_error(&error, dls_fclib_write_local(path, &problem, "", r4, u4, &error), DLS_E_NOT_FINITE,
-              "mu", 1);
+  REFUSES(NOT_FINITE, "mu", 1, dls_fclib_write_local, path, &problem, "", r4, u4);
   const int active[3] = {1, 1, 1};
   dls_model some = model3;
   some.active = active;
-  check_error(&error, dls_fclib_write_global(path, &some, f3, g6, mu3, "", x3, r6, u6, &error),
-              DLS_E_UNSUPPORTED, "active", -1);
+  REFUSES(UNSUPPORTED, "active", -1, dls_fclib_write_global, path, &some, f3, g6, mu3, "", x3, r6,
+          u6);
 
   static const struct {
     const char *argument;
@@ -1421,10 +1368,8 @@ START_TEST(write_arguments) {
   }
 #define WRITE(f, g, mu, x, r, u)                                                                   \
   dls_fclib_write_global(path, &model3, f, g, mu, "", x, r, u, &error)
-  check_error(&error, dls_fclib_write_global(NULL, &model3, f3, g6, mu3, "", x3, r6, u6, &error),
-              DLS_E_ARGUMENT, "path", -1);
-  check_error(&error, dls_fclib_write_global(path, NULL, f3, g6, mu3, "", x3, r6, u6, &error),
-              DLS_E_ARGUMENT, "model", -1);
+  REFUSES(ARGUMENT, "path", -1, dls_fclib_write_global, NULL, &model3, f3, g6, mu3, "", x3, r6, u6);
+  REFUSES(ARGUMENT, "model", -1, dls_fclib_write_global, path, NULL, f3, g6, mu3, "", x3, r6, u6);
   check_error(&error, WRITE(NULL, g6, mu3, x3, r6, u6), DLS_E_ARGUMENT, "f", -1);
   check_error(&error, WRITE(bad4, g6, mu3, x3, r6, u6), DLS_E_NOT_FINITE, "f", 2);
   check_error(&error, WRITE(f3, NULL, mu3, x3, r6, u6), DLS_E_ARGUMENT, "g", -1);
@@ -1439,12 +1384,10 @@ START_TEST(write_arguments) {
   ck_assert(!exists(path));
 
   /* what the file system refuses */
-  check_error(&error, dls_fclib_write_local(scratch, &local2, "", r4, u4, &error), DLS_E_FILE,
-              "path", -1);
+  REFUSES(FILE, "path", -1, dls_fclib_write_local, scratch, &local2, "", r4, u4);
   char other[sizeof scratch + 16];
   (void)snprintf(other, sizeof other, "%s/no/file", scratch);
-  check_error(&error, dls_fclib_write_local(other, &local2, "", r4, u4, &error), DLS_E_FILE, "path",
-              -1);
+  REFUSES(FILE, "path", -1, dls_fclib_write_local, other, &local2, "", r4, u4);
   dls_status status = DLS_OK;
   ON_A_FULL_DISK(5000, status = write_local2(&error));
   check_error(&error, status, DLS_E_FILE, "path", -1);
@@ -1454,9 +1397,8 @@ START_TEST(write_arguments) {
   ck_assert(!exists(path));
   no_handle_is_open();
 }
-END_TEST
 
-START_TEST(fclib_malloc_fails) {
+TEST(fclib_malloc_fails) {
   dls_error e = {0};
   for (int global = 0; global < 2; global++) {
     ck_assert_int_eq(global ? write_model3(NULL) : write_local2(NULL), DLS_OK);
@@ -1478,73 +1420,35 @@ START_TEST(fclib_malloc_fails) {
                !exists(path) && of_memory(&e), DLS_OK, 10);
   (void)remove(path);
 }
-END_TEST
 
 #else
 
-START_TEST(without_hdf5) {
+TEST(without_hdf5) {
   dls_error error = {0};
   dls_fclib *file = (dls_fclib *)&file;
   const double *v = NULL;
-  check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_FILE, "path", -1);
+  REFUSES(FILE, "path", -1, dls_fclib_read, &file, path);
   ck_assert_ptr_null(file);
-  check_error(&error, dls_fclib_read(&file, TEST_DATA "/fclib/FC3D_Example1.hdf5", &error),
-              DLS_E_UNSUPPORTED, "", -1);
+  REFUSES(UNSUPPORTED, "", -1, dls_fclib_read, &file, TEST_DATA "/fclib/FC3D_Example1.hdf5");
   ck_assert_ptr_null(file);
   ck_assert_int_eq(dls_fclib_is_global(NULL), 0);
   ck_assert_str_eq(dls_fclib_title(NULL), "");
-  check_error(&error, dls_fclib_contact(NULL, NULL, &error), DLS_E_UNSUPPORTED, "", -1);
-  check_error(&error, dls_fclib_model(NULL, NULL, &v, &v, &v, &error), DLS_E_UNSUPPORTED, "", -1);
-  check_error(&error, dls_fclib_solution(NULL, &v, &v, &error), DLS_E_UNSUPPORTED, "", -1);
-  check_error(&error, dls_fclib_write_local(path, NULL, NULL, NULL, NULL, &error),
-              DLS_E_UNSUPPORTED, "", -1);
-  check_error(&error,
-              dls_fclib_write_global(path, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, &error),
-              DLS_E_UNSUPPORTED, "", -1);
+  REFUSES(UNSUPPORTED, "", -1, dls_fclib_contact, NULL, NULL);
+  REFUSES(UNSUPPORTED, "", -1, dls_fclib_model, NULL, NULL, &v, &v, &v);
+  REFUSES(UNSUPPORTED, "", -1, dls_fclib_solution, NULL, &v, &v);
+  REFUSES(UNSUPPORTED, "", -1, dls_fclib_write_local, path, NULL, NULL, NULL, NULL);
+  REFUSES(UNSUPPORTED, "", -1, dls_fclib_write_global, path, NULL, NULL, NULL, NULL, NULL, NULL,
+          NULL, NULL);
   dls_fclib_destroy(NULL);
   ck_assert(!exists(path));
 }
-END_TEST
 
 #endif
 
 int main(void) {
   if (!mkdtemp(scratch)) return EXIT_FAILURE;
   (void)snprintf(path, sizeof path, "%s/file", scratch);
-  const test_row rows[] = {
-      ONCE(mtx_of_data),
-      ONCE(mtx_variants),
-      ONCE(mtx_broken),
-      ONCE(mtx_arguments),
-      ONCE(mtx_round_trip),
-      ONCE(mtx_under_another_locale),
-      ONCE(mtx_malloc_fails),
-#ifdef DLS_WITH_HDF5
-      ONCE(local_files_of_data),
-      ONCE(global_files_of_data),
-      EACH(bodies_of_data, 0, 4),
-      ONCE(data_round_trip),
-      ONCE(matrix_of_a_file_is_whole),
-      ONCE(local_round_trip),
-      ONCE(global_round_trip),
-      ONCE(no_candidates_round_trip),
-      ONCE(fclib_claims),
-      ONCE(fclib_deflated),
-      ONCE(fclib_takes_memory_in_proportion),
-      ONCE(fclib_links_stay_inside),
-      ONCE(other_layouts),
-      EACH(broken_local_file, 0, (int)(sizeof broken_local / sizeof broken_local[0])),
-      EACH(broken_global_file, 0, (int)(sizeof broken_global / sizeof broken_global[0])),
-      ONCE(broken_together),
-      ONCE(no_whole_hdf5_file),
-      ONCE(fclib_arguments),
-      ONCE(write_arguments),
-      ONCE(fclib_malloc_fails),
-#else
-      ONCE(without_hdf5),
-#endif
-      {NULL, 0, 0}};
-  const int status = run_tests("files", rows, NULL, NULL);
+  const int status = run_tests("files", NULL, NULL);
   (void)remove(path);
   (void)rmdir(scratch);
   return status;

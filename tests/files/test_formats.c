@@ -1,14 +1,8 @@
 /* test_formats.c: matrices in the formats of other codes, whole, cut short and broken. */
 #define _GNU_SOURCE
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "delassus/files.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 static char path[64];
@@ -117,7 +111,7 @@ static void is_robust(const char *name, const char *bytes, size_t size, int trip
   }
 }
 
-START_TEST(text_formats) {
+TEST_EACH(text_formats, 0, TEXTS) {
   int symmetric = -1;
   dls_sparse A;
   put_bytes(texts[_i].text, strlen(texts[_i].text));
@@ -128,9 +122,8 @@ START_TEST(text_formats) {
   dls_mtx_free_sparse(&A);
   is_robust(texts[_i].name, texts[_i].text, strlen(texts[_i].text), texts[_i].triplets);
 }
-END_TEST
 
-START_TEST(labels_of_abaqus) {
+TEST(labels_of_abaqus) {
   dls_sparse A;
   int *labels = NULL;
   const char *text = "7,1, 7,1, 4\n7,1, 5,2, -2\n5,2, 5,2, 4\n5,2, 5,1, -1\n5,1, 5,1, 4\n";
@@ -143,7 +136,6 @@ START_TEST(labels_of_abaqus) {
   dls_matrix_free_labels(NULL);
   dls_mtx_free_sparse(&A);
 }
-END_TEST
 
 /* ---- binary ---------------------------------------------------------------------------------- */
 
@@ -176,7 +168,7 @@ static void add_big_values(void) {
   }
 }
 
-START_TEST(petsc) {
+TEST(petsc) {
   for (int width = 4; width <= 8; width += 4) {
     size = 0;
     add_big(1211216, width);
@@ -200,7 +192,6 @@ START_TEST(petsc) {
   ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, &error), DLS_E_FORMAT);
   ck_assert_ptr_nonnull(strstr(error.message, "is a vector, no matrix"));
 }
-END_TEST
 
 /* A member of a zip file, not packed, and its entry in the directory. */
 static char entries[2000];
@@ -259,7 +250,7 @@ static void add_directory(int count) {
   add_little(0, 2);
 }
 
-START_TEST(npz) {
+TEST(npz) {
   static const long long shape[] = {3, 3};
   size = entries_size = 0;
   add_member("indices.npy", "<i4", "7,", columns, sizeof columns);
@@ -277,7 +268,6 @@ START_TEST(npz) {
     bytes[k] ^= 1;
   }
 }
-END_TEST
 
 /* What is known and not read says what to do. */
 static const struct {
@@ -296,7 +286,7 @@ static const struct {
     {"\1\2\0\3", 4, "neither text nor"},
 };
 
-START_TEST(foreign_formats) {
+TEST_EACH(foreign_formats, 0, (int)(sizeof foreign / sizeof *foreign)) {
   dls_sparse A = {7, 7, NULL, NULL, NULL};
   dls_error error = {0};
   put_bytes(foreign[_i].bytes, foreign[_i].size);
@@ -305,9 +295,8 @@ START_TEST(foreign_formats) {
   ck_assert_str_eq(error.argument, "path");
   ck_assert_int_eq(A.rows, 7);
 }
-END_TEST
 
-START_TEST(wrong_lines) {
+TEST(wrong_lines) {
   static const char *const wrong[][2] = {
       {"0,5;1,2\n1,2;3,4\n", "has decimal commas; numbers have a point"},
       {"1 2\n3\n", "line 2 has 1 number, those before have 2"},
@@ -337,10 +326,7 @@ START_TEST(wrong_lines) {
   ck_assert_int_eq(dls_matrix_read("no/such", 1, &A, NULL, NULL, &error), DLS_E_FILE);
   ck_assert_ptr_nonnull(strstr(error.message, "does not exist"));
 }
-END_TEST
 
 int main(void) {
-  return RUN("formats", make_matrix, remove_matrix, EACH(text_formats, 0, TEXTS),
-             ONCE(labels_of_abaqus), ONCE(petsc), ONCE(npz),
-             EACH(foreign_formats, 0, (int)(sizeof foreign / sizeof *foreign)), ONCE(wrong_lines));
+  return run_tests("formats", make_matrix, remove_matrix);
 }

@@ -1,18 +1,13 @@
 /* test_output.c: every written file is the old one or a whole new one, by any kind of name. */
 #define _GNU_SOURCE
-#include <check.h>
 #include <dirent.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "delassus.h"
 #include "delassus/fe.h"
-#include "errors.h"
 #include "program.h"
 #include "run.h"
 
@@ -67,7 +62,7 @@ static dls_status write_rows(const char *name, int rows, dls_error *error) {
   return dls_mtx_write(name, &(dls_dense){rows, 1, rows, many}, error);
 }
 
-START_TEST(full_disk_keeps_the_old_file) {
+TEST(full_disk_keeps_the_old_file) {
   dls_error error;
   for (int rows = 100; rows <= 40000; rows *= 20) { /* fails at the end, and on the way */
     limit_files(1000);
@@ -78,9 +73,8 @@ START_TEST(full_disk_keeps_the_old_file) {
     expect_entries(1);
   }
 }
-END_TEST
 
-START_TEST(full_disk_keeps_the_old_problem) {
+TEST(full_disk_keeps_the_old_problem) {
   dls_error error;
   const double W[] = {1, 0, 0, 1}, q[] = {-1, 0}, mu[] = {.5};
   const dls_contact problem = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
@@ -96,10 +90,9 @@ START_TEST(full_disk_keeps_the_old_problem) {
   dls_fclib_destroy(file);
   expect_entries(2);
 }
-END_TEST
 
 /* Asks for more rows than fit: those of before stay, and the next row finds its place. */
-START_TEST(full_disk_keeps_the_collection) {
+TEST(full_disk_keeps_the_collection) {
   dls_error error;
   dls_fe_series *series;
   char line[200], long_name[600];
@@ -124,10 +117,9 @@ START_TEST(full_disk_keeps_the_collection) {
   ck_assert_int_eq(lines, 7);
   expect_entries(2);
 }
-END_TEST
 
 /* Writes by a link to a link, from another directory. */
-START_TEST(a_link_stays) {
+TEST(a_link_stays) {
   struct stat entry;
   char link[128], target[32];
   ck_assert_int_eq(mkdir(in_directory("sub"), 0777), 0);
@@ -141,17 +133,15 @@ START_TEST(a_link_stays) {
   ck_assert_int_eq(readlink(in_directory("sub/one"), target, sizeof target), 8);
   expect_entries(3);
 }
-END_TEST
 
-START_TEST(a_link_to_nothing_makes_the_file) {
+TEST(a_link_to_nothing_makes_the_file) {
   ck_assert_int_eq(symlink("new.mtx", in_directory("link")), 0);
   ck_assert_int_eq(write_rows(in_directory("link"), 3, NULL), DLS_OK);
   ck_assert_int_eq(rows_of(in_directory("new.mtx")), 3);
   expect_entries(3);
 }
-END_TEST
 
-START_TEST(links_without_an_end) {
+TEST(links_without_an_end) {
   dls_error error;
   ck_assert_int_eq(symlink("b", in_directory("a")), 0);
   ck_assert_int_eq(symlink("a", in_directory("b")), 0);
@@ -159,10 +149,9 @@ START_TEST(links_without_an_end) {
                "path", -1);
   expect_entries(3);
 }
-END_TEST
 
 /* What the link says fits into a path, but not behind the directory. */
-START_TEST(a_link_too_long_to_follow) {
+TEST(a_link_too_long_to_follow) {
   dls_error error;
   struct stat entry;
   char target[4096] = "";
@@ -177,9 +166,8 @@ START_TEST(a_link_too_long_to_follow) {
   ck_assert_int_eq(rows_of(path), 2);
   expect_entries(2);
 }
-END_TEST
 
-START_TEST(the_mode_stays) {
+TEST(the_mode_stays) {
   struct stat entry;
   ck_assert_int_eq(chmod(path, 0640), 0);
   const mode_t mask = umask(0077);
@@ -191,19 +179,17 @@ START_TEST(the_mode_stays) {
   ck_assert_int_eq(entry.st_mode & 0777, 0600);
   (void)umask(mask);
 }
-END_TEST
 
 /* Refuses a file that its owner has made read-only, though its directory can be written to. */
-START_TEST(a_read_only_file_stays) {
+TEST(a_read_only_file_stays) {
   dls_error error;
   if (geteuid() == 0) return; /* may write everything */
   ck_assert_int_eq(chmod(path, 0444), 0);
   expect_error(write_rows(path, 3, &error), &error, DLS_E_FILE, "dls_mtx_write", "path", -1);
   ck_assert_int_eq(rows_of(path), 2);
 }
-END_TEST
 
-START_TEST(devices_and_directories) {
+TEST(devices_and_directories) {
   dls_error error;
   struct stat entry;
   ck_assert_int_eq(write_rows("/dev/null", 3, NULL), DLS_OK);
@@ -219,11 +205,10 @@ START_TEST(devices_and_directories) {
   free(name);
   expect_entries(1);
 }
-END_TEST
 
 /* Writes into the standard output that is a file in the place where it is: what another program
  * has put there before stays. */
-START_TEST(a_file_held_open_is_not_replaced) {
+TEST(a_file_held_open_is_not_replaced) {
   struct stat before, after;
   FILE *held = fopen(path, "r+");
   char name[64];
@@ -236,12 +221,7 @@ START_TEST(a_file_held_open_is_not_replaced) {
   ck_assert_int_eq(rows_of(path), 3);
   (void)fclose(held);
 }
-END_TEST
 
 int main(void) {
-  return RUN("output", setup, teardown, ONCE(full_disk_keeps_the_old_file),
-             ONCE(full_disk_keeps_the_old_problem), ONCE(full_disk_keeps_the_collection),
-             ONCE(a_link_stays), ONCE(a_link_to_nothing_makes_the_file), ONCE(links_without_an_end),
-             ONCE(a_link_too_long_to_follow), ONCE(the_mode_stays), ONCE(a_read_only_file_stays),
-             ONCE(devices_and_directories), ONCE(a_file_held_open_is_not_replaced));
+  return run_tests("output", setup, teardown);
 }

@@ -1,15 +1,9 @@
 /* test_text.c: problems in text: what is read, and what is refused with its line. */
 #define _GNU_SOURCE
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "delassus/files.h"
 #include "files/file.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 static char path[] = "/tmp/delassus-text-XXXXXX"; /* made in main */
@@ -39,7 +33,7 @@ static const char good[] = "# a comment\n"
                            "none\n"
                            "q -1 +.25";
 
-START_TEST(a_contact_problem) {
+TEST(a_contact_problem) {
   dls_text *text;
   dls_contact p;
   int n;
@@ -63,10 +57,9 @@ START_TEST(a_contact_problem) {
   ck_assert_str_eq(error.function, "dls_text_lcp");
   dls_text_destroy(text);
 }
-END_TEST
 
 /* Text from Windows begins by a byte order mark; Fortran writes exponents of double precision. */
-START_TEST(mark_and_exponents_of_fortran) {
+TEST(mark_and_exponents_of_fortran) {
   dls_text *text;
   dls_contact p;
   ck_assert_int_eq(read_text("\xef\xbb\xbf"
@@ -93,14 +86,12 @@ START_TEST(mark_and_exponents_of_fortran) {
   for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++)
     ck_assert_int_eq(read_text(wrong[k], &text, NULL), DLS_E_FORMAT);
 }
-END_TEST
 
-START_TEST(an_lcp) {
+TEST(an_lcp) {
   dls_text *text;
   dls_contact p;
   int n;
   const double *M, *q;
-  dls_error error;
   ck_assert_int_eq(read_text("lcp 2\nM\n1 2\n3 4\nq -1 0\nW is words here\n", &text, NULL), DLS_OK);
   ck_assert(dls_text_is_lcp(text));
   ck_assert_str_eq(dls_text_title(text), "");
@@ -109,13 +100,11 @@ START_TEST(an_lcp) {
   ck_assert_int_eq(dls_text_lcp(text, NULL, &M, &q, NULL), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_text_lcp(text, &n, NULL, &q, NULL), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_text_lcp(text, &n, &M, NULL, NULL), DLS_E_ARGUMENT);
-  ck_assert_int_eq(dls_text_contact(text, &p, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "text");
+  REFUSES(ARGUMENT, "text", -1, dls_text_contact, text, &p);
   dls_text_destroy(text);
 }
-END_TEST
 
-START_TEST(refused_with_the_line) {
+TEST(refused_with_the_line) {
   static const struct {
     const char *content;
     int line;
@@ -157,10 +146,9 @@ START_TEST(refused_with_the_line) {
     ck_assert_str_eq(error.function, "dls_text_read");
   }
 }
-END_TEST
 
 /* What is said of a line: its number, its first word, and why; of the whole file no line. */
-START_TEST(words_of_refusals) {
+TEST(words_of_refusals) {
   static const struct {
     const char *content, *words;
     double value;
@@ -196,10 +184,9 @@ START_TEST(words_of_refusals) {
     ck_assert(e.value == bad[k].value && e.index == (line ? atoi(line + 5) : -1));
   }
 }
-END_TEST
 
 /* Words of a file that are no text for a terminal are shown in the message, never sent. */
-START_TEST(controls_are_shown) {
+TEST(controls_are_shown) {
   static const struct {
     const char *content, *message;
   } bad[] = {{"lcp 1\nM\n\033[31m\x07\x7f\n", "'\\x1b[31m\\x07\\x7f': has too few"},
@@ -213,10 +200,9 @@ START_TEST(controls_are_shown) {
     ck_assert_msg(strstr(e.message, bad[k].message) != NULL, "%zu: %s", k, e.message);
   }
 }
-END_TEST
 
 /* As many numbers as characters allow: no blank and no line end too much. */
-START_TEST(the_shortest_files) {
+TEST(the_shortest_files) {
   static const char *const content[] = {"lcp 1\nq 5\nM\n1", "lcp 2\nq 5 6\nM\n1 2\n3 4",
                                         "lcp 3\nq 5 6 7\nM\n1 2 3\n4 5 6\n7 8 9",
                                         "contact 3 1\nmu 1\nq 5 6 7\nW\n1 2 3\n4 5 6\n7 8 9"};
@@ -240,11 +226,10 @@ START_TEST(the_shortest_files) {
     dls_text_destroy(text);
   }
 }
-END_TEST
 
 /* Files of any length about the sizes of the buffer, 4096 and 3 4096; other lines, up to beyond 3
  * 16, in their order, and the first title. */
-START_TEST(long_files) {
+TEST(long_files) {
   static char content[14000];
   static const char begin[] = "lcp 1\nq 5\nM\n1\ntitle ", end[] = "\ntitle no";
   for (int about = 4096; about <= 12288; about += 8192)
@@ -277,9 +262,8 @@ START_TEST(long_files) {
     dls_text_destroy(text);
   }
 }
-END_TEST
 
-START_TEST(no_text) {
+TEST(no_text) {
   dls_text *text = NULL;
   dls_error error;
   static const char zero[] = "lcp 1\nM\n1\nq 1\0\n";
@@ -287,10 +271,8 @@ START_TEST(no_text) {
   ck_assert_int_eq(dls_text_read(&text, path, &error), DLS_E_FORMAT);
   ck_assert_int_eq(dls_text_read(&text, "no/such/file", &error), DLS_E_FILE);
   ck_assert_int_eq(dls_text_read(&text, ".", &error), DLS_E_FILE);
-  ck_assert_int_eq(dls_text_read(NULL, path, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "out");
-  ck_assert_int_eq(dls_text_read(&text, NULL, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "path");
+  REFUSES(ARGUMENT, "out", -1, dls_text_read, NULL, path);
+  REFUSES(ARGUMENT, "path", -1, dls_text_read, &text, NULL);
   dls_contact p;
   int n;
   const double *M, *q;
@@ -299,9 +281,8 @@ START_TEST(no_text) {
   ck_assert(!dls_text_is_lcp(NULL) && !dlsi_text_line(NULL, 0, NULL) && !*dls_text_title(NULL));
   dls_text_destroy(NULL);
 }
-END_TEST
 
-START_TEST(numbers_alone) {
+TEST(numbers_alone) {
   double x[3] = {7, 7, 7};
   ck_assert(dlsi_text_numbers(" 1 -2/4\t3e2 ", 3, x) && x[0] == 1 && x[1] == -0.5 && x[2] == 300);
   ck_assert(dlsi_text_numbers("", 0, NULL));
@@ -309,24 +290,18 @@ START_TEST(numbers_alone) {
   ck_assert(!dlsi_text_numbers("1/", 1, x) && !dlsi_text_numbers("/2", 1, x));
   ck_assert(!dlsi_text_numbers(NULL, 1, x) && !dlsi_text_numbers("1", 1, NULL));
 }
-END_TEST
 
-START_TEST(each_malloc_fails) {
+TEST(each_malloc_fails) {
   write_bytes(good, strlen(good));
   dls_text *text;
   MALLOCS_FAIL(dls_text_read(&text, path, NULL), !text, DLS_OK, 6);
   dls_text_destroy(text);
 }
-END_TEST
 
 int main(void) {
   const int made = mkstemp(path);
   if (made < 0 || close(made)) return 1;
-  const int failures =
-      RUN("text", NULL, NULL, ONCE(a_contact_problem), ONCE(mark_and_exponents_of_fortran),
-          ONCE(an_lcp), ONCE(refused_with_the_line), ONCE(words_of_refusals),
-          ONCE(controls_are_shown), ONCE(the_shortest_files), ONCE(long_files), ONCE(no_text),
-          ONCE(numbers_alone), ONCE(each_malloc_fails));
+  const int failures = run_tests("text", NULL, NULL);
   (void)remove(path);
   return failures;
 }

@@ -1,12 +1,7 @@
 /* test_batch.c: dls_solve_batch against dls_solve. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus/solve.h"
-#include "errors.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 
 enum { count = 60 };
@@ -33,11 +28,9 @@ static void batch_make(int by_block) {
   }
 }
 
-START_TEST(answers) {
+TEST_EACH(answers, 0, 2) {
   batch_make(_i);
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
-  s.limits.tol = 1e-12;
+  dls_solver_settings s = settings_with(DLS_AUTO, 1e-12);
   int lanes = 0;
   ck_assert_int_eq(dls_solve_batch(count, T.p, &s, T.at_r, T.at_u, T.info, NULL), DLS_OK);
   for (int k = 0; k < count; k++) {
@@ -60,13 +53,11 @@ START_TEST(answers) {
   ck_assert_int_eq(dls_solve_batch(count, T.p, &s, T.at_r, NULL, NULL, NULL), DLS_OK);
   ck_assert_mem_eq(again, T.r, sizeof again);
 }
-END_TEST
 
 /* A count that ends within a row of equal shapes leaves the problems after it alone. */
-START_TEST(what_comes_after_is_left_alone) {
+TEST(what_comes_after_is_left_alone) {
   static const double untouched[most];
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   for (int first = 1; first <= 9; first++) {
     batch_make(0);
     ck_assert_int_eq(dls_solve_batch(first, T.p, &s, T.at_r, T.at_u, T.info, NULL), DLS_OK);
@@ -74,14 +65,11 @@ START_TEST(what_comes_after_is_left_alone) {
       ck_assert(memcmp(T.r[k], untouched, sizeof untouched) == 0 && T.info[k].stages == 0);
   }
 }
-END_TEST
 
 /* Warm from the answers nothing is done; other methods and limits go one by one. */
-START_TEST(settings_hold) {
+TEST(settings_hold) {
   batch_make(0);
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
-  s.limits.tol = 1e-10;
+  dls_solver_settings s = settings_with(DLS_AUTO, 1e-10);
   ck_assert_int_eq(dls_solve_batch(count, T.p, &s, T.at_r, NULL, NULL, NULL), DLS_OK);
   s.limits.warm_start = 1;
   ck_assert_int_eq(dls_solve_batch(count, T.p, &s, T.at_r, NULL, T.info, NULL), DLS_OK);
@@ -99,10 +87,9 @@ START_TEST(settings_hold) {
   for (int k = 0; k < count; k++)
     ck_assert_int_le(T.info[k].iterations, 1);
 }
-END_TEST
 
 /* The status is that of the first problem without a solution; the others are solved. */
-START_TEST(one_without_a_solution) {
+TEST(one_without_a_solution) {
   batch_make(0);
   for (int k = 0; k < 8; k++)
     set_hand(&T.a[k], k == 3 ? &jammed[0] : hand_named("stick")), T.p[k] = T.a[k].p;
@@ -111,42 +98,35 @@ START_TEST(one_without_a_solution) {
   for (int k = 0; k < 8; k++)
     ck_assert((T.info[k].status == DLS_OK) == (k != 3));
 }
-END_TEST
 
-START_TEST(bad_input) {
+TEST(bad_input) {
   batch_make(0);
   dls_error e;
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   ck_assert_int_eq(dls_solve_batch(0, NULL, NULL, NULL, NULL, NULL, &e), DLS_OK);
-#define REFUSES(n, p, settings, r, status, argument, index)                                        \
-  expect_error(dls_solve_batch(n, p, settings, r, NULL, T.info, &e), &e, status,                   \
-               "dls_solve_batch", argument, index)
-  REFUSES(-1, T.p, NULL, T.at_r, DLS_E_SIZE, "count", -1);
-  REFUSES(count, NULL, NULL, T.at_r, DLS_E_ARGUMENT, "problem", -1);
-  REFUSES(count, T.p, NULL, NULL, DLS_E_ARGUMENT, "r", -1);
+  REFUSES(SIZE, "count", -1, dls_solve_batch, -1, T.p, NULL, T.at_r, NULL, T.info);
+  REFUSES(ARGUMENT, "problem", -1, dls_solve_batch, count, NULL, NULL, T.at_r, NULL, T.info);
+  REFUSES(ARGUMENT, "r", -1, dls_solve_batch, count, T.p, NULL, NULL, NULL, T.info);
   s.size = 0;
-  REFUSES(count, T.p, &s, T.at_r, DLS_E_SETTINGS, "settings", -1);
+  REFUSES(SETTINGS, "settings", -1, dls_solve_batch, count, T.p, &s, T.at_r, NULL, T.info);
   dls_solver_settings_init(&s);
   s.limits.warm_start = 1;
   T.r[7][0] = NAN;
-  REFUSES(count, T.p, &s, T.at_r, DLS_E_NOT_FINITE, "problem", 7);
+  REFUSES(NOT_FINITE, "problem", 7, dls_solve_batch, count, T.p, &s, T.at_r, NULL, T.info);
   T.r[7][0] = 0;
   T.at_r[9] = NULL;
-  REFUSES(count, T.p, NULL, T.at_r, DLS_E_ARGUMENT, "problem", 9);
+  REFUSES(ARGUMENT, "problem", 9, dls_solve_batch, count, T.p, NULL, T.at_r, NULL, T.info);
   T.at_r[9] = T.r[9];
   T.a[40].q[0] = INFINITY;
-  REFUSES(count, T.p, NULL, T.at_r, DLS_E_NOT_FINITE, "problem", 40);
-  ck_assert_ptr_nonnull(strstr(e.message, "q[0]"));
+  REFUSES(NOT_FINITE, "problem", 40, dls_solve_batch, count, T.p, NULL, T.at_r, NULL, T.info);
+  ck_assert_ptr_nonnull(strstr(last_refusal.message, "q[0]"));
   for (int k = 0; k < count; k++)
     ck_assert(T.r[k][0] == 0);
-#undef REFUSES
 }
-END_TEST
 
 /* Memory is asked for as often for sixty problems as for twenty of the same kinds; and each malloc
  * may fail. */
-START_TEST(memory) {
+TEST(memory) {
   batch_make(0);
   for (int k = 0; k < count; k++)
     T.p[k] = T.p[k % 20];
@@ -167,21 +147,18 @@ START_TEST(memory) {
     ck_assert_str_eq(e.function, "dls_solve_batch");
   }
 }
-END_TEST
 
 /* Beside an entry of 1e202 r_t has to be 0, which no state of the contact allows: nothing is
  * solved. The states' matrices are singular to rounding, so that no verdict is due, either. */
-START_TEST(noise_is_no_answer) {
+TEST(noise_is_no_answer) {
   const double W[] = {0.03125, 2.25, 1.4423069849040525e+202, 2}, q[] = {-2.40625, 0.84375};
   const double mu = 0.03;
   const dls_contact problem = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = &mu};
   double r[2] = {0, 0}, *at_r[] = {r};
-  dls_certificate c;
   ck_assert_int_eq(dls_solve_batch(1, &problem, NULL, at_r, NULL, NULL, NULL), DLS_STALLED);
-  ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(&problem, r);
   ck_assert(!dls_certificate_holds(&c, 1e-8));
 }
-END_TEST
 
 /* ---- what goes into the lanes ---------------------------------------------------------------- */
 
@@ -215,7 +192,7 @@ static int runs(int n, const dls_solver_settings *s) {
 }
 
 /* One to eight candidates are swept, in any dimension; nine, none, bonded ones, bodies are not. */
-START_TEST(which_are_swept) {
+TEST(which_are_swept) {
   const double H[18] = {1, 0, 0, 0, 1, 0};
   const int body[2] = {0, -1};
   for (int d = 1; d <= 3; d++)
@@ -233,13 +210,11 @@ START_TEST(which_are_swept) {
   for (int k = 0; k < 8; k++)
     ck_assert_int_eq(T.info[k].stages, k != 1 && k != 4);
 }
-END_TEST
 
 /* Limits, a start and other methods keep all out of the lanes, where all share sweeps. */
-START_TEST(settings_that_sweep_none) {
+TEST(settings_that_sweep_none) {
   for (int k = 0; k < 5; k++) {
-    dls_solver_settings s;
-    dls_solver_settings_init(&s);
+    dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
     if (k == 1) s.limits.cpu_seconds = 0.5;
     if (k == 2) s.limits.max_iterations = 1;
     if (k == 3) s.limits.warm_start = 1;
@@ -253,11 +228,10 @@ START_TEST(settings_that_sweep_none) {
     ck_assert_int_eq(T.info[0].method, k == 4 ? DLS_NLGS : DLS_AUTO);
   }
 }
-END_TEST
 
 /* Eight in a row of as many candidates share the sweeps of the slowest; a bonded one, a body,
  * another number of candidates and the end of the list end the row. */
-START_TEST(rows_share_their_sweeps) {
+TEST(rows_share_their_sweeps) {
   const double H[36] = {1, 0, 0, 0, 1, 0};
   const int body[4] = {0, -1, 0, -1};
   for (int slow = 0; slow < 8; slow += 7)
@@ -284,10 +258,9 @@ START_TEST(rows_share_their_sweeps) {
         }
       }
 }
-END_TEST
 
 /* A candidate with three solutions, beside one that is pressed, is told of as dls_solve does. */
-START_TEST(several_solutions_are_told) {
+TEST(several_solutions_are_told) {
   dls_info info;
   double r[4];
   make_easy(2, 2);
@@ -303,38 +276,24 @@ START_TEST(several_solutions_are_told) {
     ck_assert_int_eq(T.info[k].ambiguous, k == 2);
   ck_assert(T.info[2].method == DLS_AUTO);
 }
-END_TEST
 
 /* The first and the last problem are looked at, each with its own r and u. */
-START_TEST(each_is_checked) {
+TEST(each_is_checked) {
   dls_error e;
   make_easy(2, 1);
-  expect_error(dls_solve_batch(1, NULL, NULL, T.at_r, NULL, NULL, &e), &e, DLS_E_ARGUMENT,
-               "dls_solve_batch", "problem", -1);
-  expect_error(dls_solve_batch(1, T.p, NULL, NULL, NULL, NULL, &e), &e, DLS_E_ARGUMENT,
-               "dls_solve_batch", "r", -1);
+  REFUSES(ARGUMENT, "problem", -1, dls_solve_batch, 1, NULL, NULL, T.at_r, NULL, NULL);
+  REFUSES(ARGUMENT, "r", -1, dls_solve_batch, 1, T.p, NULL, NULL, NULL, NULL);
   for (int k = 0; k < 4; k++) {
     make_easy(2, 1);
     T.a[k].q[1] = NAN;
-    expect_error(dls_solve_batch(4, T.p, NULL, T.at_r, NULL, NULL, &e), &e, DLS_E_NOT_FINITE,
-                 "dls_solve_batch", "problem", k);
-    ck_assert(e.value != e.value);
+    REFUSES(NOT_FINITE, "problem", k, dls_solve_batch, 4, T.p, NULL, T.at_r, NULL, NULL);
+    ck_assert(last_refusal.value != last_refusal.value);
     T.a[k].q[1] = 0;
     T.at_u[k] = T.r[k]; /* overlaps */
-    expect_error(dls_solve_batch(4, T.p, NULL, T.at_r, T.at_u, NULL, &e), &e, DLS_E_ARGUMENT,
-                 "dls_solve_batch", "problem", k);
+    REFUSES(ARGUMENT, "problem", k, dls_solve_batch, 4, T.p, NULL, T.at_r, T.at_u, NULL);
     T.at_u[k] = NULL;
     ck_assert_int_eq(dls_solve_batch(4, T.p, NULL, T.at_r, T.at_u, NULL, &e), DLS_OK);
     for (int i = 0; i < 4; i++)
       ck_assert(T.u[i][0] == (i != k));
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("batch", NULL, NULL, EACH(answers, 0, 2), ONCE(what_comes_after_is_left_alone),
-             ONCE(settings_hold), ONCE(one_without_a_solution), ONCE(bad_input), ONCE(memory),
-             ONCE(noise_is_no_answer), ONCE(which_are_swept), ONCE(settings_that_sweep_none),
-             ONCE(rows_share_their_sweeps), ONCE(several_solutions_are_told),
-             ONCE(each_is_checked));
 }

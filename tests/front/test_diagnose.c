@@ -1,15 +1,8 @@
 /* test_diagnose.c: facts about a contact problem, against closed forms, enumeration and scaling. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus.h"
 #include "failures.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -55,7 +48,7 @@ static void flaw_is(const dls_flaw *flaw, int count, int first) {
 
 /* ---- closed forms ---------------------------------------------------------------------------- */
 
-START_TEST(diagonal) {
+TEST(diagonal) {
   /* w = 4, 9; scaled diagonal 1/2, 3/2, 2/3, 4/3; nothing couples n and t */
   const double W[16] = {2, 0, 0, 0, 0, 6, 0, 0, 0, 0, 6, 0, 0, 0, 0, 12};
   const double q[4] = {3, 0, -4, 0}, mu[2] = {0.5, 0.25};
@@ -77,10 +70,9 @@ START_TEST(diagonal) {
   flaw_is(&g.no_effect, 0, -1);
   flaw_is(&g.wedged, 0, -1);
 }
-END_TEST
 
 /* One candidate in 2D, W = (a b; b c): mu* = a/|b| if a c >= 2 b^2, else 2 sqrt(a c - b^2)/c. */
-START_TEST(one_candidate_has_its_closed_form) {
+TEST(one_candidate_has_its_closed_form) {
   const double mu = 0.5, q[2] = {-1, 0};
   state = 1;
   for (int k = 0; k < 200; k++) {
@@ -95,10 +87,9 @@ START_TEST(one_candidate_has_its_closed_form) {
     flaw_is(&g.wedged, mu > a / fabs(b), mu > a / fabs(b) ? 0 : -1);
   }
 }
-END_TEST
 
 /* 3D, W = (a b 0; b c 0; 0 0 e), e <= c: S = a - b^2/c, T = diag(1/c, 1/e), P = (b/c, 0). */
-START_TEST(three_dimensions) {
+TEST(three_dimensions) {
   const double mu = 0.5, q[3] = {1, 0, 0}, W[9] = {2, 1, 0, 1, 4, 0, 0, 0, 3};
   const dls_diagnosis g = diagnose(3, 1, W, q, &mu);
   close_to(g.weight_min, 3, 4 * DBL_EPSILON);
@@ -107,9 +98,8 @@ START_TEST(three_dimensions) {
   close_to(g.friction_unique, h + k * k / h, 32 * DBL_EPSILON);
   ck_assert_int_eq(g.closing, 0);
 }
-END_TEST
 
-START_TEST(rank_and_definiteness) {
+TEST(rank_and_definiteness) {
   state = 2;
   const double mu[4] = {0.1, 0.1, 0.1, 0.1}, q[8] = {0};
   for (int rank = 1; rank <= 8; rank++) { /* W = B B^T, B 8 x rank */
@@ -143,9 +133,8 @@ START_TEST(rank_and_definiteness) {
     if (!k) close_to(h.noise, 10 * e / (2 + e), 1e-7);
   }
 }
-END_TEST
 
-START_TEST(unsymmetric) {
+TEST(unsymmetric) {
   /* (4 1; 2 4): scaled (1 1/4; 1/2 1), symmetric part 1 +- 3/8 */
   const double mu[2] = {0.3, 0.3}, q[4] = {0};
   const dls_diagnosis g = diagnose(2, 1, (const double[4]){4, 2, 1, 4}, q, mu);
@@ -166,11 +155,10 @@ START_TEST(unsymmetric) {
   close_to(h.asymmetry, 0.3, 8 * DBL_EPSILON);
   ck_assert(h.row == 1 && h.col == 2);
 }
-END_TEST
 
 /* ---- degenerate candidates ------------------------------------------------------------------- */
 
-START_TEST(degenerate_candidates_are_named) {
+TEST(degenerate_candidates_are_named) {
   static const double good[4] = {2, 0.5, 0.5, 2}, zero[4] = {0}, none[4] = {1, 0, 0, -1},
                       pull[4] = {-1, 0, 0, 4}, flat[4] = {1, 1, 1, 1}, slide[4] = {2, 0, 0, 0};
   static const struct {
@@ -213,9 +201,8 @@ START_TEST(degenerate_candidates_are_named) {
   flaw_is(&g.zero_block, 3, 0);
   flaw_is(&g.no_effect, 6, 0);
 }
-END_TEST
 
-START_TEST(singular_blocks_in_three_dimensions) {
+TEST(singular_blocks_in_three_dimensions) {
   const double q[3] = {0}, mu = 0.1;
   state = 3;
   for (int rank = 1; rank <= 3; rank++)
@@ -231,7 +218,6 @@ START_TEST(singular_blocks_in_three_dimensions) {
       ck_assert_int_eq(g.rank, rank);
     }
 }
-END_TEST
 
 /* ---- invariance ------------------------------------------------------------------------------ */
 
@@ -253,7 +239,7 @@ static void same_facts(const dls_diagnosis *a, const dls_diagnosis *b) {
   ck_assert_int_eq(a->wedged.count, b->wedged.count);
 }
 
-START_TEST(units_do_not_matter) {
+TEST(units_do_not_matter) {
   double W[M * M], q[M];
   const double mu[NC] = {0.1, 0.2, 0.9, 1.7};
   state = 4;
@@ -285,9 +271,8 @@ START_TEST(units_do_not_matter) {
   const dls_diagnosis h = diagnose(2, NC, V, p, mu);
   same_facts(&h, &g);
 }
-END_TEST
 
-START_TEST(order_does_not_matter) {
+TEST(order_does_not_matter) {
   double W[M * M], V[M * M], q[M], p[M];
   const double mu[NC] = {0.1, 0.2, 0.9, 1.7}, nu[NC] = {0.9, 0.1, 1.7, 0.2};
   static const int from[NC] = {2, 0, 3, 1};
@@ -305,9 +290,8 @@ START_TEST(order_does_not_matter) {
   const int i = 2 * from[h.row / 2] + h.row % 2, j = 2 * from[h.col / 2] + h.col % 2;
   ck_assert((i == g.row && j == g.col) || (i == g.col && j == g.row));
 }
-END_TEST
 
-START_TEST(tangent_frames_do_not_matter) {
+TEST(tangent_frames_do_not_matter) {
   double W[81], V[81] = {0}, q[9];
   const double mu[3] = {0.1, 0.2, 0.9};
   state = 6;
@@ -340,10 +324,9 @@ START_TEST(tangent_frames_do_not_matter) {
   h.asymmetry = g.asymmetry; /* entry by entry, it depends on the frame */
   same_facts(&h, &g);
 }
-END_TEST
 
 /* The problem by blocks, in scrambled order, every block of a candidate's own split in two. */
-START_TEST(blocks_give_the_facts_of_the_dense_matrix) {
+TEST(blocks_give_the_facts_of_the_dense_matrix) {
   for (int d = 2; d <= 3; d++) {
     const int nc = 3, m = 3 * d;
     double W[81], x[9 * 12], q[9] = {-1}, mu[3] = {0.3, 0.2, 0.1};
@@ -375,9 +358,8 @@ START_TEST(blocks_give_the_facts_of_the_dense_matrix) {
     flaw_is(&h.no_effect, 0, -1);
   }
 }
-END_TEST
 
-START_TEST(blocks_that_are_missing) {
+TEST(blocks_that_are_missing) {
   /* candidate 1 has no block at all */
   const int p[4] = {0, 1, 1, 2}, i[2] = {0, 2};
   const double x[8] = {2, 0, 0, 2, 3, 0, 0, 3}, q[6] = {0}, mu[3] = {0};
@@ -389,13 +371,12 @@ START_TEST(blocks_that_are_missing) {
   ck_assert(g.asymmetry == 0 && g.rank == 4 && g.negative == 0);
   ck_assert(g.weight_min == 2 && g.weight_max == 3);
 }
-END_TEST
 
 /* ---- friction bounds ------------------------------------------------------------------------- */
 
 /* Every entry of the catalogue with several solutions, or none, stands at a friction that is not
  * below the bound; and what has critical friction 1 by hand (c01 .. c03) has it here. */
-START_TEST(catalogue_of_failures) {
+TEST(catalogue_of_failures) {
   char names[100][64], why[200];
   const int count = failures_list(TEST_DATA "/failures", names, 100);
   ck_assert_int_gt(count, 50);
@@ -428,7 +409,6 @@ START_TEST(catalogue_of_failures) {
   }
   ck_assert_int_ge(several, 8);
 }
-END_TEST
 
 /* Solutions r of a 2D problem by enumeration that differ by more than 1e-6 of the largest; the
  * lambdas of a candidate with r = 0 are not unique, and are not counted. */
@@ -462,7 +442,7 @@ static int count_reactions(const dls_contact *p) {
 
 /* Just below the bound there is one solution, and Lemke's method finds it; Gauss-Seidel as well, of
  * which there is no proof. */
-START_TEST(below_the_bound_there_is_one_solution) {
+TEST(below_the_bound_there_is_one_solution) {
   static const double skew[3] = {0, 1e-3, 0.05};
   state = 8;
   int tried = 0;
@@ -480,9 +460,7 @@ START_TEST(below_the_bound_there_is_one_solution) {
     }
     const dls_contact p = {.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
     ck_assert_int_eq(count_reactions(&p), 1);
-    dls_solver_settings settings;
-    dls_solver_settings_init(&settings);
-    settings.method = DLS_LEMKE;
+    dls_solver_settings settings = settings_with(DLS_LEMKE, default_tol);
     ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, NULL, NULL), DLS_OK);
     settings.method = DLS_NLGS;
     settings.limits.max_iterations = 100000;
@@ -490,7 +468,6 @@ START_TEST(below_the_bound_there_is_one_solution) {
   }
   ck_assert_int_ge(tried, 250);
 }
-END_TEST
 
 /* r with r_n >= 0, |r_t| <= mu_c b_c instead of the cone, W symmetric: by relaxation, one unknown
  * at a time. */
@@ -509,7 +486,7 @@ static void solve_threshold(const dls_contact *p, const double *b, double *r) {
 
 /* The map b -> r_n of the sliding thresholds has the Lipschitz constant mu / mu*, in the norm of
  * the scaled problem, sum w_c b_c^2. */
-START_TEST(fixed_points_on_the_threshold_contract) {
+TEST(fixed_points_on_the_threshold_contract) {
   state = 11;
   double largest = 0;
   for (int k = 0; k < 60; k++) {
@@ -538,11 +515,10 @@ START_TEST(fixed_points_on_the_threshold_contract) {
   }
   ck_assert_msg(largest > 0.8, "%g", largest);
 }
-END_TEST
 
 /* Above W_nn / |W_nt| of one candidate: the q of src/front/diagnose.c has two solutions at
  * least. */
-START_TEST(above_the_critical_friction_there_are_several) {
+TEST(above_the_critical_friction_there_are_several) {
   state = 9;
   for (int k = 0; k < 60; k++) {
     const int nc = 1 + k % 3, m = 2 * nc;
@@ -564,10 +540,9 @@ START_TEST(above_the_critical_friction_there_are_several) {
     ck_assert_int_ge(count_reactions(&p), 2);
   }
 }
-END_TEST
 
 /* 3D, one candidate: the local solver counts its solutions. Above the bound some have three. */
-START_TEST(one_candidate_in_3d_has_one_solution_below_the_bound) {
+TEST(one_candidate_in_3d_has_one_solution_below_the_bound) {
   state = 10;
   int several = 0;
   for (int k = 0; k < 20000; k++) {
@@ -592,7 +567,6 @@ START_TEST(one_candidate_in_3d_has_one_solution_below_the_bound) {
   }
   ck_assert_int_gt(several, 0);
 }
-END_TEST
 
 /* ---- limit, bad input, memory ---------------------------------------------------------------- */
 
@@ -603,7 +577,7 @@ static dls_contact dense2(void) {
   return (dls_contact){.d = 2, .nc = 2, .W = {4, 4, 4, W2}, .q = q2, .mu = mu2};
 }
 
-START_TEST(too_large_is_said) {
+TEST(too_large_is_said) {
   const dls_contact p = dense2();
   dls_diagnosis g, h;
   ck_assert_int_eq(dls_contact_diagnose(&p, 4, &g, NULL), DLS_OK);
@@ -614,16 +588,14 @@ START_TEST(too_large_is_said) {
   ck_assert(h.friction_unique == 0 && h.friction_critical == g.friction_critical);
   ck_assert(h.asymmetry == g.asymmetry && h.weight_max == g.weight_max);
 }
-END_TEST
 
-START_TEST(the_same_bits_twice) {
+TEST(the_same_bits_twice) {
   const dls_contact p = dense2();
   dls_diagnosis g, h;
   ck_assert_int_eq(dls_contact_diagnose(&p, 4, &g, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_diagnose(&p, 4, &h, NULL), DLS_OK);
   same_bits(&g, &h);
 }
-END_TEST
 
 /* An error names the slot and leaves the diagnosis alone. */
 static void refuses(const dls_contact *p, int limit, dls_status status, const char *argument,
@@ -639,16 +611,15 @@ static void refuses(const dls_contact *p, int limit, dls_status status, const ch
   ck_assert_mem_eq(&g, &before, sizeof g);
 }
 
-START_TEST(no_candidates) {
+TEST(no_candidates) {
   const dls_contact p = {.d = 3};
   dls_diagnosis g;
   ck_assert_int_eq(dls_contact_diagnose(&p, 10, &g, NULL), DLS_OK);
   ck_assert(g.spectrum && g.rank == 0 && g.negative == 0 && g.friction_unique > 1e300);
   ck_assert(g.friction_max == 0 && g.closing == 0 && g.no_effect.count == 0);
 }
-END_TEST
 
-START_TEST(bad_input_is_named) {
+TEST(bad_input_is_named) {
   dls_contact p = dense2();
   refuses(NULL, 10, DLS_E_ARGUMENT, "problem", -1);
   refuses(&p, -1, DLS_E_ARGUMENT, "limit", -1);
@@ -682,13 +653,10 @@ START_TEST(bad_input_is_named) {
     refuses(&p, 10, DLS_E_ARGUMENT, "mu", k);
   }
   p = dense2();
-  dls_error e = {0};
-  ck_assert_int_eq(dls_contact_diagnose(&p, 10, NULL, &e), DLS_E_ARGUMENT);
-  ck_assert_str_eq(e.argument, "diagnosis");
+  REFUSES(ARGUMENT, "diagnosis", -1, dls_contact_diagnose, &p, 10, NULL);
 }
-END_TEST
 
-START_TEST(each_failing_malloc_unwinds) {
+TEST(each_failing_malloc_unwinds) {
   const int i[2] = {0, 1}, s[3] = {0, 1, 2};
   const double x[8] = {2, 1, 1, 2, 3, 0, 0, 3};
   for (int blocks = 0; blocks < 2; blocks++) {
@@ -703,10 +671,9 @@ START_TEST(each_failing_malloc_unwinds) {
     ck_assert_int_eq(mallocs_failed, 6); /* scale, work, lists, value, A, pivot */
   }
 }
-END_TEST
 
 /* An unsymmetric W needs the first nine mallocs, among them r and the transpose. */
-START_TEST(each_failing_malloc_of_unsymmetric_ones) {
+TEST(each_failing_malloc_of_unsymmetric_ones) {
   double W[16];
   memcpy(W, W2, sizeof W);
   W[1] = 0;
@@ -720,11 +687,10 @@ START_TEST(each_failing_malloc_of_unsymmetric_ones) {
     ck_assert_msg(status == DLS_E_MEMORY, "%ld: %d", k, status);
   }
 }
-END_TEST
 
 /* A candidate with an unsymmetric W that has an answer, and none with its transpose; and bodies
  * that move apart. */
-START_TEST(hints) {
+TEST(hints) {
   const double rows[] = {1, -2, -0.6, 1}, apart[] = {1, 0}, pressed[] = {-1, 0}, mu[] = {1};
   const double columns[] = {1, -0.6, -2, 1};
   dls_diagnosis g;
@@ -749,20 +715,4 @@ START_TEST(hints) {
   const dls_contact by_blocks = {.d = 2, .nc = 1, .Wb = B, .q = pressed, .mu = mu};
   ck_assert_int_eq(dls_contact_diagnose(&by_blocks, 10, &g, NULL), DLS_OK);
   ck_assert_int_eq(g.hints, DLS_HINT_TRANSPOSED);
-}
-END_TEST
-
-int main(void) {
-  return RUN("diagnose", NULL, NULL, ONCE(diagonal), ONCE(one_candidate_has_its_closed_form),
-             ONCE(three_dimensions), ONCE(rank_and_definiteness), ONCE(unsymmetric),
-             ONCE(degenerate_candidates_are_named), ONCE(singular_blocks_in_three_dimensions),
-             ONCE(units_do_not_matter), ONCE(order_does_not_matter),
-             ONCE(tangent_frames_do_not_matter), ONCE(blocks_give_the_facts_of_the_dense_matrix),
-             ONCE(blocks_that_are_missing), ONCE(catalogue_of_failures),
-             ONCE(below_the_bound_there_is_one_solution),
-             ONCE(fixed_points_on_the_threshold_contract),
-             ONCE(above_the_critical_friction_there_are_several),
-             ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
-             ONCE(the_same_bits_twice), ONCE(hints), ONCE(no_candidates), ONCE(bad_input_is_named),
-             ONCE(each_failing_malloc_unwinds), ONCE(each_failing_malloc_of_unsymmetric_ones));
 }

@@ -1,8 +1,4 @@
 /* test_layout.c: the table of layouts misses no field; fresh settings are the headers' defaults. */
-#include <check.h>
-#include <stddef.h>
-#include <string.h>
-
 #include "delassus.h"
 #include "run.h"
 
@@ -44,7 +40,7 @@ static size_t size_of_type(const char *type) {
 }
 
 /* Each field begins where the one before ends, but for alignment; so does the end of the struct. */
-START_TEST(every_byte_of_every_struct_has_a_field) {
+TEST(every_byte_of_every_struct_has_a_field) {
   const dls_field *f;
   int records = 0;
   size_t at = 0;
@@ -66,9 +62,8 @@ START_TEST(every_byte_of_every_struct_has_a_field) {
   }
   ck_assert_int_gt(records, 0);
 }
-END_TEST
 
-START_TEST(a_struct_comes_after_those_that_it_contains) {
+TEST(a_struct_comes_after_those_that_it_contains) {
   const dls_field *f;
   for (int k = 0; (f = dls_layout_field(k)); k++)
     if (*f->name && strncmp(f->type, "dls_", 4) == 0) {
@@ -76,7 +71,6 @@ START_TEST(a_struct_comes_after_those_that_it_contains) {
       ck_assert_int_lt(row_of(f->type), row_of(f->record));
     }
 }
-END_TEST
 
 #define EXPECT(s, f, text)                                                                         \
   do {                                                                                             \
@@ -89,7 +83,7 @@ END_TEST
     ck_assert_str_eq(row->type, text);                                                             \
   } while (0)
 
-START_TEST(fields_of_each_kind_are_told) {
+TEST(fields_of_each_kind_are_told) {
   EXPECT(dls_error, status, "int");
   EXPECT(dls_error, index, "long long");
   EXPECT(dls_error, message, "char");
@@ -103,7 +97,6 @@ START_TEST(fields_of_each_kind_are_told) {
   EXPECT(dls_motion_energies, scale, "double");
   EXPECT(dls_diagnosis, wedged, "dls_flaw");
 }
-END_TEST
 
 /* ---- defaults -------------------------------------------------------------------------------- */
 
@@ -131,7 +124,7 @@ static void expect_fields(const char *record, const char *own, const char *wante
     expect_fields("dls_" #name "_settings", (const char *)&own, (const char *)&wanted);            \
   } while (0)
 
-START_TEST(fresh_settings_are_those_of_the_headers) {
+TEST(fresh_settings_are_those_of_the_headers) {
   const dls_limits usual = {.tol = 1e-8, .threads = 1};
   FRESH(solver, .limits = usual, .method = DLS_AUTO);
   FRESH(admm, .limits = usual, .rho = 1);
@@ -145,7 +138,6 @@ START_TEST(fresh_settings_are_those_of_the_headers) {
   FRESH(motion, .limits = {.tol = 1e-12, .warm_start = 1, .threads = 1}, .law = DLS_MOTION_VELOCITY,
         .method = DLS_AUTO, .theta = 0.5, .forecast = 0.5);
 }
-END_TEST
 
 /* ---- constants ------------------------------------------------------------------------------- */
 
@@ -157,7 +149,7 @@ static int value_of(const char *name) {
   return 12345;
 }
 
-START_TEST(constants_have_their_values) {
+TEST(constants_have_their_values) {
   ck_assert_int_eq(value_of("DLS_OK"), DLS_OK);
   ck_assert_int_eq(value_of("DLS_E_CALLBACK"), DLS_E_CALLBACK);
   ck_assert_int_eq(value_of("DLS_E_BUSY"), DLS_E_BUSY);
@@ -166,19 +158,10 @@ START_TEST(constants_have_their_values) {
   ck_assert_int_eq(value_of("DLS_HOMOTOPY"), DLS_HOMOTOPY);
   ck_assert_int_eq(value_of("DLS_STAGES_MAX"), DLS_STAGES_MAX);
 }
-END_TEST
 
-START_TEST(numbers_outside_give_null) {
+TEST(numbers_outside_give_null) {
   ck_assert_ptr_null(dls_layout_field(-1));
   ck_assert_ptr_null(dls_layout_field(100000));
   ck_assert_ptr_null(dls_layout_constant(-1));
   ck_assert_ptr_null(dls_layout_constant(100000));
-}
-END_TEST
-
-int main(void) {
-  return RUN("layout", NULL, NULL, ONCE(every_byte_of_every_struct_has_a_field),
-             ONCE(a_struct_comes_after_those_that_it_contains), ONCE(fields_of_each_kind_are_told),
-             ONCE(fresh_settings_are_those_of_the_headers), ONCE(constants_have_their_values),
-             ONCE(numbers_outside_give_null));
 }

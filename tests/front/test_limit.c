@@ -3,14 +3,7 @@
  * motion b and reactions r on the cones of the contacts that b slides on. r is an answer at the
  * planted lambda, and beyond it b proves that there is none. test_limit COUNT plants COUNT of them.
  */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus.h"
-#include "errors.h"
 #include "front_cases.h"
 #include "run.h"
 
@@ -115,7 +108,7 @@ static void touch(body *b, int c, int a, double x, double y, double nx, double n
 
 /* A box of width 1 and height h, weight 1, on the floor, pushed at its top: it slides at mu, or
  * tips over its edge at 1 / (2 h). */
-START_TEST(box_slides_or_tips) {
+TEST(box_slides_or_tips) {
   for (int tips = 0; tips < 2; tips++) {
     const double h = tips ? 2 : 0.5;
     body b = {.d = 2, .n = 3, .nc = 2, .mu = {0.4, 0.4}, .f0 = {0, -1}, .f1 = {1, 0, -h / 2}};
@@ -131,11 +124,10 @@ START_TEST(box_slides_or_tips) {
     ck_assert_double_eq_tol(limit.carried, tips ? -1 / (2 * h) : -0.4, 1e-6);
   }
 }
-END_TEST
 
 /* A plate between two jaws that are pressed together with 3, mu = .4: a lap joint, a grasp. It is
  * pulled out at 2 .4 3. The jaws, bodies 1 and 2, are held by a guide, contact 2, 3. */
-START_TEST(lap_joint) {
+TEST(lap_joint) {
   body b = {.d = 2, .n = 9, .nc = 8, .f0 = {0, 0, 0, 0, -3, 0, 0, 3, 0}, .f1 = {1}};
   for (int side = 0; side < 2; side++)
     for (int k = 0; k < 2; k++) {
@@ -148,11 +140,10 @@ START_TEST(lap_joint) {
     }
   expect_limit(&b, 2.4);
 }
-END_TEST
 
 /* Two masses joined by a spring, of weight 2 and 3, mu = .3, .2; the first one is pushed towards
  * the second. Both slide at .3 * 2 + .2 * 3; the friction of the second shortens the spring. */
-START_TEST(elastic_pair) {
+TEST(elastic_pair) {
   body b = {.d = 2, .n = 4, .nc = 2, .mu = {0.3, 0.2}, .f0 = {0, -2, 0, -3}, .f1 = {1}};
   const double k = 100;
   b.K[0][0] = b.K[2][2] = k;
@@ -162,11 +153,10 @@ START_TEST(elastic_pair) {
   expect_limit(&b, 1.2);
   ck_assert_double_eq_tol(b.x[0] - b.x[2], 0.6 / k, 1e-5 / k);
 }
-END_TEST
 
 /* An elastic punch, three nodes of weight 1 joined by bars, stands on two of them, mu = .3, and is
  * pushed at the third: it slides at .3 * 3, before it tips at 3. */
-START_TEST(elastic_punch) {
+TEST(elastic_punch) {
   const double at[3][2] = {{-0.5, 0}, {0.5, 0}, {0, 0.5}};
   body b = {
       .d = 2, .n = 6, .nc = 2, .mu = {0.3, 0.3}, .f0 = {0, -1, 0, -1, 0, -1}, .f1 = {[4] = 1}};
@@ -191,11 +181,10 @@ START_TEST(elastic_punch) {
   /* moments about the right foot: r_n of the left one */
   ck_assert_double_eq_tol(b.r[0], 3 * 0.5 - 0.9 * 0.5, 1e-7);
 }
-END_TEST
 
 /* On a slope of 3 : 4 a box needs the friction 3/4; a held body carries all, and one that falls
  * carries nothing. */
-START_TEST(friction_and_ends) {
+TEST(friction_and_ends) {
   body b = {.d = 2, .n = 3, .nc = 2, .mu = {0, 0}, .f0 = {3, -4}};
   touch(&b, 0, 0, -1, -0.1, 0, 1, 1);
   touch(&b, 1, 0, 1, -0.1, 0, 1, 1);
@@ -233,11 +222,10 @@ START_TEST(friction_and_ends) {
   limit = limit_of(&b, &s);
   ck_assert(!limit.proved && limit.carried == 5 && limit.refused == 5);
 }
-END_TEST
 
 /* W alone: a rod of compliance 1 between two walls, at gaps of 1 that both close by lambda. It
  * slides, and does not shrink. With W definite all loads are carried. */
-START_TEST(without_stiffness) {
+TEST(without_stiffness) {
   for (int definite = 0; definite < 2; definite++) {
     const double q1[] = {-1, 0, -1, 0}, g[] = {1, 0, 1, 0}, mu[] = {0.3, 0.3}, one[] = {1, 1};
     const double f1[] = {0, 0, 0, 0, 1};
@@ -270,7 +258,6 @@ START_TEST(without_stiffness) {
     dls_reduction_destroy(reduction);
   }
 }
-END_TEST
 
 /* ---- planted limits -------------------------------------------------------------------------- */
 
@@ -327,7 +314,7 @@ static void expect_planted(unsigned seed) {
   unsettled += !(limit.proved && limit.refused - limit.carried <= 1e-6 * limit.refused);
 }
 
-START_TEST(planted_limits) {
+TEST(planted_limits) {
   int solves = 0, k = 0;
   for (int seed = 1; seed <= limits; seed++)
     expect_planted((unsigned)seed * 7919);
@@ -337,7 +324,6 @@ START_TEST(planted_limits) {
   ck_assert_int_le(k, 8);
   ck_assert_int_eq(unsettled, 0);
 }
-END_TEST
 
 /* ---- an arch --------------------------------------------------------------------------------- */
 
@@ -346,7 +332,7 @@ enum { stones = 100, joints = 2 * (stones + 1), unknowns = 3 * stones };
 /* A semicircle of rigid stones, mean radius 1, thickness .15, friction .7, pushed sideways with
  * lambda times its weight. Close to the limit the reactions of the hinges are small beside the
  * others: an answer there takes as few factors as one far below it. */
-START_TEST(arch_close_to_its_limit) {
+TEST(arch_close_to_its_limit) {
   static int p[2][joints + 1], row[2][6 * joints], none[unknowns + 1];
   static double value[2][6 * joints], f[2][unknowns], mu[joints], r[2 * joints], x[unknowns];
   const double step = 3.14159265358979 / stones, thick = 0.15;
@@ -398,11 +384,10 @@ START_TEST(arch_close_to_its_limit) {
   ck_assert_int_le(info.stage[0].factorisations, 40);
   dls_reduction_destroy(reduction);
 }
-END_TEST
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-START_TEST(arguments) {
+TEST(arguments) {
   body b = {.d = 2, .n = 3, .nc = 2, .mu = {0.4, 0.4}, .f0 = {0, -1}, .f1 = {1}};
   touch(&b, 0, 0, -0.5, -0.1, 0, 1, 1);
   touch(&b, 1, 0, 0.5, -0.1, 0, 1, 1);
@@ -414,8 +399,8 @@ START_TEST(arguments) {
   const double nan[] = {0, NAN, 0}, falls[] = {-1, 0}, bad[] = {0.4, -1};
 #define LIMIT(f0, f1, mu, mu1, s, r)                                                               \
   dls_limit_load(reduction, f0, f1, NULL, mu, mu1, s, r, b.x, NULL, &limit, &e)
-  expect_error(dls_limit_load(NULL, b.f0, b.f1, NULL, b.mu, NULL, NULL, b.r, b.x, NULL, &limit, &e),
-               &e, DLS_E_ARGUMENT, name, "reduction", -1);
+  REFUSES(ARGUMENT, "reduction", -1, dls_limit_load, NULL, b.f0, b.f1, NULL, b.mu, NULL, NULL, b.r,
+          b.x, NULL, &limit);
   expect_error(LIMIT(nan, b.f1, b.mu, NULL, NULL, b.r), &e, DLS_E_NOT_FINITE, name, "f0", 1);
   expect_error(LIMIT(b.f0, nan, b.mu, NULL, NULL, b.r), &e, DLS_E_NOT_FINITE, name, "f1", 1);
   expect_error(LIMIT(b.f0, NULL, b.mu, NULL, NULL, b.r), &e, DLS_E_ARGUMENT, name, "f1", -1);
@@ -439,11 +424,8 @@ START_TEST(arguments) {
   ck_assert_int_eq(limit.solves, 2);
   dls_reduction_destroy(reduction);
 }
-END_TEST
 
 int main(int argc, char **argv) {
   if (argc > 1) limits = atoi(argv[1]);
-  return RUN("limit", NULL, NULL, ONCE(box_slides_or_tips), ONCE(lap_joint), ONCE(elastic_pair),
-             ONCE(elastic_punch), ONCE(friction_and_ends), ONCE(without_stiffness),
-             ONCE(planted_limits), ONCE(arch_close_to_its_limit), ONCE(arguments));
+  return run_tests("limit", NULL, NULL);
 }

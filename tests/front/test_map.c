@@ -1,12 +1,7 @@
 /* test_map.c: dls_solver_map: contacts that appear, vanish and change their places. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "close.h"
 #include "delassus.h"
 #include "front_cases.h"
+#include "made.h"
 #include "rigid.h"
 #include "run.h"
 
@@ -15,8 +10,7 @@ static dls_solver *warm_solver(dls_method method, int d, int nc, double tol, int
   s.limits.tol = tol;
   s.limits.warm_start = 1;
   s.limits.blocks = blocks;
-  dls_solver *solver;
-  ck_assert_int_eq(dls_solver_create(&solver, d, nc, &s, NULL), DLS_OK);
+  dls_solver *solver = solver_of(d, nc, &s);
   return solver;
 }
 
@@ -39,7 +33,7 @@ static void refused(dls_solver *solver, int nc, const int *from, double *r, dls_
 }
 
 /* Each bad argument has its error, and r and the solver stay as they are. */
-START_TEST(bad_arguments) {
+TEST(bad_arguments) {
   double r[M], old[M] = {0};
   int from[NC + 1];
   const dls_contact p = coupled(W, q, mu, 2, NC, 0.5, 0.3, 1);
@@ -69,11 +63,10 @@ START_TEST(bad_arguments) {
   ck_assert_int_eq(dls_solver_map(solver, 0, NULL, NULL, NULL), DLS_OK);
   dls_solver_destroy(solver);
 }
-END_TEST
 
 /* A solve that is refused leaves the last answer, and a map of another number of contacts is no
  * map: the bits are those of a solver that was never told. */
-START_TEST(maps_that_are_not_used) {
+TEST(maps_that_are_not_used) {
   double r[2][M] = {{0}}, kept[M], bad[M];
   int from[NC];
   const dls_contact p = coupled(W, q, mu, 2, NC, 0.5, 0.3, 2);
@@ -100,10 +93,9 @@ START_TEST(maps_that_are_not_used) {
   dls_solver_destroy(solver[0]);
   dls_solver_destroy(solver[1]);
 }
-END_TEST
 
 /* Each method takes a map, and solves what it solves without. */
-START_TEST(each_method) {
+TEST(each_method) {
   double r[M] = {0}, s[M] = {0};
   int from[NC];
   for (int c = 0; c < NC; c++)
@@ -122,7 +114,6 @@ START_TEST(each_method) {
     dls_solver_destroy(solver);
   }
 }
-END_TEST
 
 /* ---- many rigid bodies ----------------------------------------------------------------------- */
 
@@ -210,9 +201,8 @@ static int sweeps_of_orders(shuffled *a, dls_method method, int shuffle, int tol
       from[c] = -1;
     if (!told) ck_assert_int_eq(dls_solver_map(solver, 0, from, NULL, NULL), DLS_OK);
     dls_info info;
-    dls_certificate now;
     ck_assert_int_eq(dls_solver_solve(solver, &a->p, r, NULL, &info, NULL), DLS_OK);
-    ck_assert_int_eq(dls_contact_certify(&a->p, r, NULL, &now, NULL), DLS_OK);
+    const dls_certificate now = certificate_of(&a->p, r);
     ck_assert(dls_certificate_holds(&now, 1e-6));
     sweeps += turn ? info.iterations : 0;
   }
@@ -223,7 +213,7 @@ static int sweeps_of_orders(shuffled *a, dls_method method, int shuffle, int tol
 }
 
 /* Contacts in another order each time cost what they cost as they were numbered first. */
-START_TEST(other_orders_cost_the_same) {
+TEST_EACH(other_orders_cost_the_same, 0, 2) {
   static const dls_method methods[] = {DLS_AUTO, DLS_NLGS};
   shuffled a;
   shuffled_create(&a, "packing-flow", 1500, 2);
@@ -233,11 +223,10 @@ START_TEST(other_orders_cost_the_same) {
   ck_assert_int_le(abs(mapped - numbered), numbered / 10); /* untold they take a fifth more */
   shuffled_free(&a);
 }
-END_TEST
 
 /* Contacts come and go, in an order of their own each time: every answer is certified, and all of
  * it gives the same bits again, on two threads those of three. */
-START_TEST(contacts_come_and_go) {
+TEST(contacts_come_and_go) {
   shuffled a;
   shuffled_create(&a, "balls-flow", 1200, 4);
   const int all = a.all.contact.nc;
@@ -264,10 +253,9 @@ START_TEST(contacts_come_and_go) {
         from[c] = at[a.place[c]];
         kept += from[c] >= 0;
       }
-      dls_certificate now;
       ck_assert_int_eq(dls_solver_map(solver, a.p.nc, from, r[again], NULL), DLS_OK);
       ck_assert_int_eq(dls_solver_solve(solver, &a.p, r[again], NULL, NULL, NULL), DLS_OK);
-      ck_assert_int_eq(dls_contact_certify(&a.p, r[again], NULL, &now, NULL), DLS_OK);
+      const dls_certificate now = certificate_of(&a.p, r[again]);
       ck_assert(dls_certificate_holds(&now, 1e-4));
     }
     ck_assert_int_gt(kept, 4 * all);
@@ -280,7 +268,6 @@ START_TEST(contacts_come_and_go) {
   free(from);
   shuffled_free(&a);
 }
-END_TEST
 
 /* ---- an elastic body ------------------------------------------------------------------------- */
 
@@ -324,11 +311,10 @@ static int factorisations_of_path(int turns, int told) {
     }
     double r[ROWS];
     dls_info info;
-    dls_certificate now;
     ck_assert_int_eq(dls_solver_map(solver, count, from, r, NULL), DLS_OK);
     if (!told) ck_assert_int_eq(dls_solver_map(solver, 0, NULL, NULL, NULL), DLS_OK);
     ck_assert_int_eq(dls_solver_solve(solver, &some, r, NULL, &info, NULL), DLS_OK);
-    ck_assert_int_eq(dls_contact_certify(&some, r, NULL, &now, NULL), DLS_OK);
+    const dls_certificate now = certificate_of(&some, r);
     ck_assert(dls_certificate_holds(&now, 1e-10));
     made += info.factorisations;
     memcpy(was, list, sizeof was);
@@ -340,15 +326,8 @@ static int factorisations_of_path(int turns, int told) {
 
 /* Where only open contacts come and go, Newton's factors stay, which without a map are lost. Where
  * contacts change their places, they are lost, and no answer is wrong. */
-START_TEST(factors_stay) {
+TEST(factors_stay) {
   const int told = factorisations_of_path(0, 1), untold = factorisations_of_path(0, 0);
   ck_assert_int_le(4 * told, untold); /* 2, 19 */
   ck_assert_int_gt(factorisations_of_path(1, 1), 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("map", NULL, NULL, ONCE(bad_arguments), ONCE(maps_that_are_not_used),
-             ONCE(each_method), EACH(other_orders_cost_the_same, 0, 2), ONCE(contacts_come_and_go),
-             ONCE(factors_stay));
 }

@@ -1,8 +1,5 @@
 /* test_measure.c: the rule by which bench/ counts solves (bench/solvers_call.c), and the check of
  * its options (bench/common.c). */
-#include <check.h>
-#include <math.h>
-
 #include "../../bench/common.h"
 #include "../../bench/solvers.h"
 #include "run.h"
@@ -18,7 +15,7 @@ static void answer(const void *how, const scene *s, double tol, int calls, doubl
 }
 
 /* W = 1, q = -1: r = 1 holds; 0, NaN and infinity do not, whatever the solver says. */
-START_TEST(answers_that_hold) {
+TEST_EACH(answers_that_hold, 0, 6) {
   static const double W[] = {1, 0, 0, 1}, q[] = {-1, -1}, mu[] = {0, 0};
   static const double r[] = {1, 0, NAN, INFINITY, -INFINITY, 1e308};
   const scene s = {.contact = {.d = 1, .nc = 2, .W = {2, 2, 2, W}, .q = q, .mu = mu}};
@@ -28,10 +25,9 @@ START_TEST(answers_that_hold) {
   ck_assert_int_eq(dls_certificate_holds(&o.certificate, 1e-4), _i == 0);
   ck_assert_int_eq(o.certificate.residual <= 1e-4, _i == 0);
 }
-END_TEST
 
 /* Options and values that a usage has pass; all others are refused, wherever they stand. */
-START_TEST(options_of_a_bench) {
+TEST(options_of_a_bench) {
   static const char may[] = "[--out DIR] [--large] [--sizes N,N..]";
   static const char must[] = "--out DIR [--only WORD]", names[] = "--out DIR [FILE...]";
   static const struct {
@@ -72,9 +68,4 @@ START_TEST(options_of_a_bench) {
     ck_assert_msg(bench_options(argc, argv, rows[k].usage) == rows[k].good, "row %zu: %s", k,
                   rows[k].usage);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("measure", NULL, NULL, EACH(answers_that_hold, 0, 6), ONCE(options_of_a_bench));
 }

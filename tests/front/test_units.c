@@ -2,16 +2,9 @@
  * test_units.c: r -> 2^b r, u and q -> 2^a u and 2^a q, W -> 2^(a-b) W change nothing but these
  * powers: the same status, facts and bits for a, b from -480 to 480.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
-#include "delassus/diagnose.h"
-#include "delassus/solve.h"
-#include "delassus/trust.h"
-#include "malloc_fails.h"
+#include "delassus.h"
+#include "made.h"
 #include "run.h"
 
 /* What the library says of a problem; lengths and forces in units of the first one. */
@@ -40,9 +33,7 @@ static void shift_certificate(dls_certificate *c, int a, int b) {
 
 static void ask(const dls_contact *p, dls_method method, int least, int a, int b, said *s) {
   const int m = p->d * p->nc;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = method;
+  dls_solver_settings settings = settings_with(method, default_tol);
   settings.forces = least ? DLS_FORCES_LEAST : DLS_FORCES_ANY;
   memset(s, 0, sizeof *s);
   s->status = dls_solve(p, &settings, s->r, s->u, &s->info, NULL);
@@ -114,7 +105,7 @@ static void one_problem(const model *a, dls_method method, int least, const char
   same_in_units(&one, &two, m, what);
 }
 
-START_TEST(any_units) {
+TEST_EACH(any_units, 0, 60) {
   static model a;
   if (_i % 2)
     deficient_model(&a, _i);
@@ -122,9 +113,8 @@ START_TEST(any_units) {
     numbered_model(&a, _i);
   one_problem(&a, _i % 3 ? DLS_AUTO : (dls_method)(_i / 3 % 8), _i % 5 == 0, "drawn");
 }
-END_TEST
 
-START_TEST(bodies_in_any_units) {
+TEST_EACH(bodies_in_any_units, 0, 12) {
   static model a;
   static bodies_storage S;
   dls_contact p;
@@ -140,10 +130,9 @@ START_TEST(bodies_in_any_units) {
   ask(&p, DLS_AUTO, 0, -70, 330, &two);
   same_in_units(&one, &two, m, "bodies");
 }
-END_TEST
 
 /* Two exact answers: never "proved unique", however small W is in its units. */
-START_TEST(no_false_proof_of_uniqueness) {
+TEST(no_false_proof_of_uniqueness) {
   static const double W0[16] = {1, 0, -1, -1, 0, 1, -2, 0, -1, -2, 5, 1, -1, 0, 1, 1};
   for (int k = 0; k <= 700; k += 20) {
     double W[16], q[4] = {2, 10, -22, -2}, mu[2] = {0, .3}, r[4];
@@ -155,10 +144,9 @@ START_TEST(no_false_proof_of_uniqueness) {
     ck_assert_int_ne(info.unique, DLS_UNIQUE_YES);
   }
 }
-END_TEST
 
 /* Nothing is proved, or solved, of an r that the caller's units cannot hold. */
-START_TEST(answers_out_of_range) {
+TEST(answers_out_of_range) {
   static const double size[][2] = {{0x1p-900, 0x1p900}, {0x1p900, 0x1p-900}, {0x1p-60, 0x1p1000}};
   for (int k = 0; k < 3; k++) {
     double W[4] = {size[k][0], 0, 0, size[k][0]}, q[2] = {-size[k][1] * 1.7, .3 * size[k][1]};
@@ -175,7 +163,6 @@ START_TEST(answers_out_of_range) {
     ck_assert_int_eq(proof.kind, DLS_NOT_PROVED);
   }
 }
-END_TEST
 
 static const dls_contact *watched;
 
@@ -191,24 +178,22 @@ static int see_progress(void *data, const dls_progress *progress) {
 
 /* A progress shows r in the units of the caller; a warm start begins in them; each malloc may
  * fail. */
-START_TEST(progress_warm_start_and_memory) {
+TEST(progress_warm_start_and_memory) {
   static model a;
   double r[most], again[most];
   dls_info info;
-  dls_solver_settings s;
-  dls_solver *solver;
   int calls = 0;
   numbered_model(&a, 4);
   const int m = a.p.d * a.p.nc;
   shift(a.W, m * m, 700);
   shift(a.q, m, 300);
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   s.limits.progress = see_progress;
   s.limits.progress_data = &calls;
   s.limits.warm_start = 1;
   watched = &a.p;
   memset(r, 0, sizeof r);
-  ck_assert_int_eq(dls_solver_create(&solver, a.p.d, a.p.nc, &s, NULL), DLS_OK);
+  dls_solver *solver = solver_of(a.p.d, a.p.nc, &s);
   dls_status status = DLS_E_MEMORY;
   for (long k = 1; status; k++) {
     malloc_fails_at(k);
@@ -224,11 +209,4 @@ START_TEST(progress_warm_start_and_memory) {
   ck_assert_int_le(info.iterations, 1);
   ck_assert_double_le(info.certificate.residual, 1e-8);
   dls_solver_destroy(solver);
-}
-END_TEST
-
-int main(void) {
-  return RUN("units", NULL, NULL, EACH(any_units, 0, 60), EACH(bodies_in_any_units, 0, 12),
-             ONCE(no_false_proof_of_uniqueness), ONCE(answers_out_of_range),
-             ONCE(progress_warm_start_and_memory));
 }

@@ -6,18 +6,11 @@
  * pressure, equal motions give no slip, and two elastic blocks whose meshes do not match are
  * pressed to one stress.
  */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
-#include "close.h"
-#include "delassus/pairs.h"
-#include "delassus/solve.h"
-#include "errors.h"
+#include "delassus.h"
 #include "geometry/geometry.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "solids.h"
 
@@ -42,6 +35,18 @@ static double dot_column(const dls_sparse *A, int j, const double *v) {
   return sum;
 }
 
+/* Faces on `points` points, each with d unknowns. */
+static dls_surfaces surfaces(int d, int points, const double *X, int faces, int corners,
+                             const int *face) {
+  return (dls_surfaces){.d = d,
+                        .n = d * points,
+                        .points = points,
+                        .X = X,
+                        .faces = faces,
+                        .corners = corners,
+                        .face = face};
+}
+
 static dls_pairs pairs_of(const dls_surfaces *s) {
   dls_pairs pairs;
   dls_error error = {0};
@@ -53,20 +58,13 @@ static dls_pairs pairs_of(const dls_surfaces *s) {
 
 /* A node at a quarter of the edge (0, 0) - (4, 0), 0.5 above it; nodes count from 1. The body of
  * the edge is below: to the left of 4 -> 0. Its end at 0 is held. */
-START_TEST(edge_by_hand) {
+TEST(edge_by_hand) {
   const double X[] = {0, 0, 4, 0, 1, 0.5};
   const int dof[] = {-1, -1, 7, 3, 0, 5}, node[] = {3}, face[] = {2, 1};
-  const dls_surfaces s = {.d = 2,
-                          .n = 8,
-                          .points = 3,
-                          .base = 1,
-                          .X = X,
-                          .dof = dof,
-                          .nodes = 1,
-                          .node = node,
-                          .faces = 1,
-                          .corners = 2,
-                          .face = face};
+  dls_surfaces s = surfaces(2, 3, X, 1, 2, face);
+  s.n = 8;
+  s.base = 1, s.dof = dof;
+  s.nodes = 1, s.node = node;
   dls_pairs p = pairs_of(&s);
   ck_assert(p.nodes == 1 && p.candidates == 1 && p.node[0] == 3 && p.face[0] == 0 && !p.P.p &&
             !p.measure);
@@ -86,23 +84,15 @@ START_TEST(edge_by_hand) {
   dls_pairs_free(&p);
   dls_pairs_free(NULL);
 }
-END_TEST
 
 /* T3 and Q4 in the plane z = 0, and a node over (1/2, 1/4) of them. Frame: n = z; x is the first of
  * the axes that n leans to least: t = x, s = y. */
-START_TEST(faces_by_hand) {
+TEST_EACH(faces_by_hand, 3, 5) {
   const double X[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.25, -0.125};
   const int node[] = {4}, q4[] = {0, 1, 2, 3}, t3[] = {0, 1, 3};
   const double of_q4[] = {0.375, 0.375, 0.125, 0.125}, of_t3[] = {0.25, 0.5, 0, 0.25};
-  dls_surfaces s = {.d = 3,
-                    .n = 15,
-                    .points = 5,
-                    .X = X,
-                    .nodes = 1,
-                    .node = node,
-                    .faces = 1,
-                    .corners = _i,
-                    .face = _i == 4 ? q4 : t3};
+  dls_surfaces s = surfaces(3, 5, X, 1, _i, _i == 4 ? q4 : t3);
+  s.nodes = 1, s.node = node;
   dls_pairs p = pairs_of(&s);
   const double *w = _i == 4 ? of_q4 : of_t3;
   double HN[15] = {0}, expected[15] = {0};
@@ -120,12 +110,11 @@ START_TEST(faces_by_hand) {
     ck_assert_double_eq_tol(HT[3 * k + 1], expected[3 * k + 2], 1e-15);
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* Every state of a node, over the edges (-1, 0) - (0, 0) - (1, -1), whose body is below: a convex
  * corner of 45 degrees at node 1. Node 8 is node 1 itself; node 9 is over an edge that is held, and
  * is held. */
-START_TEST(states) {
+TEST(states) {
   const double a = sin(pi / 8), b = cos(pi / 8);
   const double X[] = {-1, 0,    0,   0,     1,     -1,        -0.5, 0.25,  -0.5,
                       5,  -1.5, 0.1, a / 2, b / 2, -1e-7 - 1, 0.1,  -0.25, 0.1};
@@ -133,16 +122,9 @@ START_TEST(states) {
   for (int k = 0; k < 18; k++)
     dof[k] = k < 4 || k > 15 ? -1 : k;
   const int node[] = {3, 4, 5, 6, 7, 1, 8}, face[] = {1, 0, 2, 1};
-  const dls_surfaces s = {.d = 2,
-                          .n = 18,
-                          .points = 9,
-                          .X = X,
-                          .dof = dof,
-                          .nodes = 7,
-                          .node = node,
-                          .faces = 2,
-                          .corners = 2,
-                          .face = face};
+  dls_surfaces s = surfaces(2, 9, X, 2, 2, face);
+  s.dof = dof;
+  s.nodes = 7, s.node = node;
   const dls_pair_state expected[] = {DLS_PAIR_FOUND, DLS_PAIR_FAR,   DLS_PAIR_BESIDE,
                                      DLS_PAIR_FOUND, DLS_PAIR_FOUND, DLS_PAIR_SHARED,
                                      DLS_PAIR_HELD};
@@ -152,20 +134,18 @@ START_TEST(states) {
   ck_assert(p.nodes == 3 && p.node[0] == 3 && p.node[1] == 6 && p.node[2] == 7);
   /* in the middle of the cone: from the corner to the node */
   ck_assert_double_eq_tol(p.g[2], 0.5, 1e-15);
-  ck_assert_double_eq_tol(p.frame[4], a, 1e-15);
-  ck_assert_double_eq_tol(p.frame[5], b, 1e-15);
+  assert_near(p.frame + 4, (double[]){a, b}, 2, 1e-15);
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* On the corner itself the normal is the mean of both edges, whatever their order; beyond a
  * straight line of edges, level with one of their nodes, there is nothing; in a concave corner the
  * nearer edge counts. */
-START_TEST(edges_and_corners) {
+TEST(edges_and_corners) {
   const double X[] = {-1, 0, 0, 0, 0, -1, 0, 0};
   const int node[] = {3}, face[2][4] = {{1, 0, 2, 1}, {2, 1, 1, 0}};
-  dls_surfaces s = {
-      .d = 2, .n = 8, .points = 4, .X = X, .nodes = 1, .node = node, .faces = 2, .corners = 2};
+  dls_surfaces s = surfaces(2, 4, X, 2, 2, NULL);
+  s.nodes = 1, s.node = node;
   for (int order = 0; order < 2; order++) {
     s.face = face[order];
     dls_pairs p = pairs_of(&s);
@@ -177,36 +157,21 @@ START_TEST(edges_and_corners) {
   }
   const double flat[] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 0, 1, 0, 1, 1, 0, 2, 1, 0, 1, 1.25, 0.1};
   const int end[] = {6}, two[] = {0, 1, 4, 3, 1, 2, 5, 4};
-  const dls_surfaces f = {.d = 3,
-                          .n = 21,
-                          .points = 7,
-                          .X = flat,
-                          .nodes = 1,
-                          .node = end,
-                          .faces = 2,
-                          .corners = 4,
-                          .face = two};
+  dls_surfaces f = surfaces(3, 7, flat, 2, 4, two);
+  f.nodes = 1, f.node = end;
   dls_pairs p = pairs_of(&f);
   ck_assert(p.nodes == 0 && p.state[0] == DLS_PAIR_BESIDE);
   dls_pairs_free(&p);
   const double valley[] = {0, 2, 0, 0, 2, 0, 0.5, 0.25};
   const int in[] = {3}, walls[] = {1, 0, 2, 1};
-  const dls_surfaces v = {.d = 2,
-                          .n = 8,
-                          .points = 4,
-                          .X = valley,
-                          .nodes = 1,
-                          .node = in,
-                          .faces = 2,
-                          .corners = 2,
-                          .face = walls};
+  dls_surfaces v = surfaces(2, 4, valley, 2, 2, walls);
+  v.nodes = 1, v.node = in;
   p = pairs_of(&v);
   ck_assert(p.nodes == 1 && p.face[0] == 1 && p.g[0] == 0.25 && p.frame[1] == 1);
   dls_pairs_free(&p);
 }
-END_TEST
 
-START_TEST(wall) {
+TEST(wall) {
   const double X[] = {3, 4, 1, 1, 2, 2}, plane[] = {0, 0, 0, 0, 0, 2};
   const int node[] = {1, 0};
   dls_surfaces s = {.d = 3, .n = 6, .points = 2, .X = X, .nodes = 2, .node = node, .wall = plane};
@@ -233,7 +198,6 @@ START_TEST(wall) {
   ck_assert(p.nodes == 0 && p.HN.cols == 0 && p.state[0] == DLS_PAIR_FAR);
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* ---- random surfaces ------------------------------------------------------------------------- */
 
@@ -276,15 +240,8 @@ static void sheet_make(sheet *S, int d, int corners, double unit) {
   }
   for (int k = 0; k < d * (points + above); k++)
     S->X[k] *= unit;
-  S->s = (dls_surfaces){.d = d,
-                        .n = d * (points + above),
-                        .points = points + above,
-                        .X = S->X,
-                        .nodes = above,
-                        .node = S->node,
-                        .faces = faces,
-                        .corners = corners,
-                        .face = S->face};
+  S->s = surfaces(d, points + above, S->X, faces, corners, S->face);
+  S->s.nodes = above, S->s.node = S->node;
 }
 
 /* d, corners of three kinds */
@@ -292,7 +249,7 @@ static const int kinds[3][2] = {{2, 2}, {3, 3}, {3, 4}};
 
 /* The gap of each pair changes as H_N says under any motion of both bodies, by central differences;
  * the sliding velocity is that of the node relative to its face. */
-START_TEST(gap_moves_as_normals_say) {
+TEST_EACH(gap_moves_as_normals_say, 0, 3) {
   static sheet S, moved;
   static double v[3 * all];
   const int d = kinds[_i][0];
@@ -339,10 +296,9 @@ START_TEST(gap_moves_as_normals_say) {
     }
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* The tree finds what a search over all faces finds. */
-START_TEST(as_one_by_one) {
+TEST_EACH(as_one_by_one, 0, 3) {
   static sheet S;
   const int d = kinds[_i][0], corners = kinds[_i][1];
   sheet_make(&S, d, corners, 1);
@@ -363,10 +319,9 @@ START_TEST(as_one_by_one) {
   }
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* Other units; faces in another order. */
-START_TEST(units_and_order) {
+TEST_EACH(units_and_order, 0, 3) {
   static sheet S, T;
   const int d = kinds[_i][0], corners = kinds[_i][1];
   sheet_make(&S, d, corners, 1);
@@ -406,13 +361,12 @@ START_TEST(units_and_order) {
   dls_pairs_free(&q);
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* ---- 10^5 against 10^5 -------------------------------------------------------------------------
  * */
 
 /* Nodes of a sphere against the faces of another one, CPU seconds; half a second is usual. */
-START_TEST(a_hundred_thousand) {
+TEST(a_hundred_thousand) {
   enum { n = 317, m = 316, count = n * n };
   double *X = malloc(2 * count * 3 * sizeof *X);
   int *node = malloc(count * sizeof *node), *face = malloc(4 * m * m * sizeof *face);
@@ -435,15 +389,9 @@ START_TEST(a_hundred_thousand) {
       const int q = i + n * j, corner[] = {q, q + 1, q + 1 + n, q + n};
       memcpy(face + 4 * (i + m * j), corner, sizeof corner);
     }
-  const dls_surfaces s = {.d = 3,
-                          .n = 6 * count,
-                          .points = 2 * count,
-                          .X = X,
-                          .nodes = count,
-                          .node = node,
-                          .faces = m * m,
-                          .corners = 4,
-                          .face = face};
+  dls_surfaces s = surfaces(3, 2 * count, X, m * m, 4, face);
+  s.n = 6 * count;
+  s.nodes = count, s.node = node;
   const clock_t begun = clock();
   dls_pairs p = pairs_of(&s);
   const double seconds = (double)(clock() - begun) / CLOCKS_PER_SEC;
@@ -457,7 +405,6 @@ START_TEST(a_hundred_thousand) {
   free(node);
   free(face);
 }
-END_TEST
 
 /* ---- mortar ---------------------------------------------------------------------------------- */
 
@@ -548,7 +495,7 @@ static void patch_forces(const patch *M, int count, int corners, const int *face
 
 static const int patches[5][3] = {{2, 2, 2}, {3, 4, 4}, {3, 3, 3}, {3, 3, 4}, {3, 4, 3}};
 
-START_TEST(patch_test) {
+TEST_EACH(patch_test, 0, 5) {
   static patch M;
   const int d = patches[_i][0];
   patch_make(&M, d, patches[_i][1], patches[_i][2]);
@@ -591,11 +538,10 @@ START_TEST(patch_test) {
         j < p.nodes ? dot_column(&p.HN, j, v) : dot_column(&p.HT, j - p.nodes, v), 0, 1e-13);
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* Two elastic blocks, 3 and 4 squares wide, 3 high: pressed by 1 to one stress, on rollers at the
  * left and at the bottom. Plane strain: the displacements are linear. */
-START_TEST(blocks_pressed_to_one_stress) {
+TEST(blocks_pressed_to_one_stress) {
   enum { wide = 12, high = 2 };
   solids S;
   double X[2 * 100], lower[2 * 4 * 3], upper[2 * 5 * 3];
@@ -628,16 +574,8 @@ START_TEST(blocks_pressed_to_one_stress) {
     face[2 * i] = a + 4 * high + i + 1;
     face[2 * i + 1] = a + 4 * high + i;
   }
-  dls_surfaces s = {.d = 2,
-                    .n = 54,
-                    .points = 27,
-                    .X = X,
-                    .faces = 3,
-                    .corners = 2,
-                    .face = face,
-                    .own_faces = 4,
-                    .own_corners = 2,
-                    .own = own};
+  dls_surfaces s = surfaces(2, 27, X, 3, 2, face);
+  s.own_faces = 4, s.own_corners = 2, s.own = own;
   dls_pairs p = pairs_of(&s);
   double f[54] = {0}, x[54], r[10], u[10];
   for (int i = 0; i < 5; i++)
@@ -647,46 +585,32 @@ START_TEST(blocks_pressed_to_one_stress) {
   model.HN = p.HN;
   model.HT = p.HT;
   model.P = p.P;
-  dls_reduction *reduction;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-13;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-13);
   const double mu[5] = {0};
   ck_assert_int_eq(p.candidates, 5);
-  ck_assert_int_eq(dls_reduction_create(&reduction, &model, NULL, NULL), DLS_OK);
+  dls_reduction *reduction = reduction_of(&model, NULL);
   ck_assert_int_eq(dls_reduction_load(reduction, f, p.g, NULL), DLS_OK);
   ck_assert_int_ge(dls_reduction_solve(reduction, mu, &settings, r, u, x, NULL, NULL), 0);
   for (int c = 0; c < 5; c++)
     ck_assert_double_eq_tol(r[2 * c] / p.measure[c], 1, 1e-8);
   for (int k = 0; k < 27; k++) { /* E = 1, nu = .3: eps_y = -(1 - nu^2), eps_x = nu (1 + nu) */
-    ck_assert_double_eq_tol(x[2 * k], 0.39 * X[2 * k], 1e-7 * wide);
-    ck_assert_double_eq_tol(x[2 * k + 1], -0.91 * X[2 * k + 1], 1e-7 * wide);
+    assert_near(x + 2 * k, (double[]){0.39 * X[2 * k], -0.91 * X[2 * k + 1]}, 2, 1e-7 * wide);
   }
   dls_reduction_destroy(reduction);
   dls_pairs_free(&p);
   solids_free(&S);
 }
-END_TEST
 
 /* Faces that look away, beyond reach or without a common part give nothing; a node of both sides is
  * no candidate. */
-START_TEST(mortar_leaves_out) {
+TEST(mortar_leaves_out) {
   const double X[] = {0, 0, 1, 0, 0.5, 0.1, 1.5, 0.1};
   int face[] = {1, 0}, own[] = {2, 3};
-  dls_surfaces s = {.d = 2,
-                    .n = 8,
-                    .points = 4,
-                    .X = X,
-                    .faces = 1,
-                    .corners = 2,
-                    .face = face,
-                    .own_faces = 1,
-                    .own_corners = 2,
-                    .own = own};
+  dls_surfaces s = surfaces(2, 4, X, 1, 2, face);
+  s.own_faces = 1, s.own_corners = 2, s.own = own;
   dls_pairs p = pairs_of(&s);
   ck_assert(p.nodes == 2 && p.candidates == 2 && p.node[0] == 2);
-  ck_assert_double_eq_tol(p.measure[0], 0.375, 1e-15); /* of the half that is covered */
-  ck_assert_double_eq_tol(p.measure[1], 0.125, 1e-15);
+  assert_near(p.measure, (double[]){0.375, 0.125}, 2, 1e-15); /* of the half that is covered */
   dls_pairs_free(&p);
   s.reach = 0.05;
   p = pairs_of(&s);
@@ -702,25 +626,17 @@ START_TEST(mortar_leaves_out) {
   ck_assert(p.candidates == 1 && p.node[0] == 3);
   dls_pairs_free(&p);
 }
-END_TEST
 
 /* ---- wrong input, no memory --------------------------------------------------------------------
  * */
 
-START_TEST(wrong_input) {
+TEST(wrong_input) {
   double X[] = {0, 0, 4, 0, 1, 0.5}, plane[] = {0, 0, 0, 1};
   int dof[] = {-1, -1, 7, 3, 0, 5}, node[] = {3, 1}, face[] = {2, 1}, own[] = {1, 3};
-  const dls_surfaces good = {.d = 2,
-                             .n = 8,
-                             .points = 3,
-                             .base = 1,
-                             .X = X,
-                             .dof = dof,
-                             .nodes = 1,
-                             .node = node,
-                             .faces = 1,
-                             .corners = 2,
-                             .face = face};
+  dls_surfaces good = surfaces(2, 3, X, 1, 2, face);
+  good.n = 8;
+  good.base = 1, good.dof = dof;
+  good.nodes = 1, good.node = node;
   dls_pairs out;
   dls_error e;
 #define EXPECT(change, status, name, index)                                                        \
@@ -776,14 +692,12 @@ START_TEST(wrong_input) {
   plane[0] = INFINITY;
   EXPECT((s.wall = plane, s.faces = 0), DLS_E_NOT_FINITE, "wall", 0);
 #undef EXPECT
-  expect_error(dls_pairs_find(NULL, &out, &e), &e, DLS_E_ARGUMENT, "dls_pairs_find", "surfaces",
-               -1);
-  expect_error(dls_pairs_find(&good, NULL, &e), &e, DLS_E_ARGUMENT, "dls_pairs_find", "out", -1);
+  REFUSES(ARGUMENT, "surfaces", -1, dls_pairs_find, NULL, &out);
+  REFUSES(ARGUMENT, "out", -1, dls_pairs_find, &good, NULL);
   ck_assert_int_eq(dls_pairs_find(NULL, NULL, NULL), DLS_E_ARGUMENT);
 }
-END_TEST
 
-START_TEST(every_failing_malloc_unwinds) {
+TEST(every_failing_malloc_unwinds) {
   static sheet S;
   static patch M;
   sheet_make(&S, 3, 4, 1);
@@ -795,13 +709,4 @@ START_TEST(every_failing_malloc_unwinds) {
                  DLS_OK, 15);
     dls_pairs_free(&p);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("pairs", NULL, NULL, ONCE(edge_by_hand), EACH(faces_by_hand, 3, 5), ONCE(states),
-             ONCE(edges_and_corners), ONCE(wall), EACH(gap_moves_as_normals_say, 0, 3),
-             EACH(as_one_by_one, 0, 3), EACH(units_and_order, 0, 3), ONCE(a_hundred_thousand),
-             EACH(patch_test, 0, 5), ONCE(blocks_pressed_to_one_stress), ONCE(mortar_leaves_out),
-             ONCE(wrong_input), ONCE(every_failing_malloc_unwinds));
 }

@@ -3,15 +3,10 @@
  * J^T M^-1 J, q is the velocity of the contact point, impulses change momentum and spin as Newton
  * says.
  */
-#include <math.h>
-#include <string.h>
-
-#include "close.h"
 #include "contact/contact.h"
-#include "delassus/rigid.h"
-#include "delassus/solve.h"
-#include "errors.h"
+#include "delassus.h"
 #include "geometry/geometry.h"
+#include "made.h"
 #include "run.h"
 
 static double rigid_draw(int *seed) {
@@ -59,7 +54,7 @@ static void momentum(const dls_rigid *of, const double *x, double *y) {
 /* Two contacts of two bodies: impulses r change linear momentum by the impulse and angular momentum
  * by its moment, oppositely for the other body; u = H^T H r + q is the relative velocity
  * afterwards. */
-START_TEST(newton) {
+TEST_EACH(newton, 0, 20) {
   int seed = 100 * _i;
   dls_rigid bodies[2] = {any_body(&seed), any_body(&seed)}, after[2];
   double point[2][3], normal[2][3], frame[2][9], H[72], q[6], r[6], gap[2];
@@ -126,11 +121,10 @@ START_TEST(newton) {
       ck_assert_double_eq_tol(frame[k][i], normal[k][i] / length, 1e-15);
   }
 }
-END_TEST
 
 /* A box falls flat on a belt that runs with speed 1: it stops falling, and friction speeds it up by
  * mu times the impulse over the mass. In any unit of mass, length and time. */
-START_TEST(box_on_a_belt) {
+TEST_EACH(box_on_a_belt, 0, 4) {
   const double units[][3] = {{1, 1, 1}, {1e-3, 1e3, 1}, {1e6, 1e-6, 1e3}, {1e-9, 1e9, 1e-9}};
   const double kg = units[_i][0], m = units[_i][1], s = units[_i][2], speed = m / s;
   dls_rigid bodies[2] = {
@@ -147,9 +141,7 @@ START_TEST(box_on_a_belt) {
     ck_assert(body[2 * k] == 0 && body[2 * k + 1] == -1);
   }
   const dls_contact problem = {.d = 3, .nc = 4, .q = q, .mu = mu, .bodies = {6, 2, body, H, NULL}};
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-12;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-12);
   ck_assert_int_ge(dls_solve(&problem, &settings, r, NULL, NULL, NULL), 0);
   ck_assert_int_eq(dls_rigid_apply(2, bodies, 4, body, H, r, NULL), DLS_OK);
   const double v[] = {0.2 * speed, 0, 0}, belt[] = {speed, 0, 0};
@@ -159,9 +151,8 @@ START_TEST(box_on_a_belt) {
   }
   ck_assert_double_eq_tol(r[0] + r[3] + r[6] + r[9], 6 * kg * speed, 1e-9 * kg * speed);
 }
-END_TEST
 
-START_TEST(wrong_input) {
+TEST(wrong_input) {
   const dls_rigid sound = {
       .mass = 1, .inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   dls_rigid bodies[2] = {sound, sound};
@@ -233,10 +224,4 @@ START_TEST(wrong_input) {
   H[20] = NAN;
   APPLY(DLS_E_NOT_FINITE, "H", 18, 2, bodies, 1, body, H, r);
   ck_assert_mem_eq(bodies, ((dls_rigid[]){sound, sound}), sizeof bodies);
-}
-END_TEST
-
-int main(void) {
-  return RUN("rigid", NULL, NULL, EACH(newton, 0, 20), EACH(box_on_a_belt, 0, 4),
-             ONCE(wrong_input));
 }

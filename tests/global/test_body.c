@@ -1,11 +1,5 @@
 /* test_body.c: the certificate of a pair (x, r), its weights and the connected bodies, by hand. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "contact/body.h"
-#include "malloc_fails.h"
 #include "run.h"
 #include "stiffness.h"
 
@@ -36,24 +30,21 @@ static dlsi_body body_of(dls_factorization factorization, int is_sparse) {
   return body;
 }
 
-START_TEST(weights_and_parts) {
+TEST_EACH(weights_and_parts, 0, 6) {
   const dlsi_body body = body_of((dls_factorization)(1 + _i % 3), _i / 3);
   ck_assert_int_eq(body.parts, 3);
   ck_assert(part[0] == 0 && part[1] == 0 && part[2] == 1 && part[3] == 2);
-  ck_assert_double_eq_tol(w[0], 4. / 15, 1e-16);
-  ck_assert_double_eq_tol(w[1], 4. / 15, 1e-16);
-  ck_assert_double_eq_tol(w[2], 1. / 25, 1e-16);
+  assert_near(w, (double[]){4. / 15, 4. / 15, 1. / 25}, 3, 1e-16);
   ck_assert_double_eq_tol(w[3], 1. / 100, 1e-17);
   double y[4], a[4];
   dlsi_body_multiply(&S.model, (const double[]){1, -1, 2, 0}, y, a);
   ck_assert(y[0] == 3 && y[1] == -3 && y[2] == 200 && y[3] == 0);
   ck_assert(a[0] == 5 && a[1] == 5 && a[2] == 200 && a[3] == 0);
 }
-END_TEST
 
 /* Where K says nothing the others' mean serves, and 1 where none says anything; without tangents
  * w_t = w_n; on more than 24 unknowns the diagonal. */
-START_TEST(weights_guarded) {
+TEST(weights_guarded) {
   enum { many = 30 };
   double K[many * many] = {0}, v[4], x[many];
   int p[] = {0, 1, 1, 2, 2}, i[many];
@@ -82,7 +73,6 @@ START_TEST(weights_guarded) {
     ck_assert_int_eq(status, DLS_E_MEMORY);
   }
 }
-END_TEST
 
 /* Node 0 slides under (1, -3): u_n = 0, r_n = N, r_t = -mu N. Node 1 hangs 7 above the ground. */
 static void slide(double mu, double *x, double *r, double *f) {
@@ -97,7 +87,7 @@ static void slide(double mu, double *x, double *r, double *f) {
   f[2] = f[3] = 0;
 }
 
-START_TEST(exact_pair) {
+TEST(exact_pair) {
   const dlsi_body body = body_of(DLS_CHOLESKY, 1);
   const double mu[] = {.25, .25}, far[] = {0, 0, 7e9, 0};
   double x[4], r[4], f[4], u[4];
@@ -111,11 +101,10 @@ START_TEST(exact_pair) {
   ck_assert(dls_certificate_holds(&c, 1e-12) && dlsi_body_badness(&c) <= 16 * DBL_EPSILON);
   ck_assert(c.penetration == 0 && c.adhesion == 0 && c.complementarity == 0);
 }
-END_TEST
 
 /* What is wrong shows in its part: a force of 1 that is missing on body 0; a reaction beyond the
  * cone; a contact left out. */
-START_TEST(wrong_pairs) {
+TEST(wrong_pairs) {
   const dlsi_body body = body_of(DLS_CHOLESKY, 1);
   const double mu[] = {.25, .25};
   double x[4], r[4], f[4], u[4];
@@ -147,10 +136,9 @@ START_TEST(wrong_pairs) {
   dlsi_body_measure(&body, NULL, NULL, mu, r, x, u, work, &c);
   ck_assert(!dls_certificate_holds(&c, 1) && c.residual != c.residual);
 }
-END_TEST
 
 /* A rigid motion of 1e8 without force: x rounds, and the floors say so. */
-START_TEST(rounding) {
+TEST(rounding) {
   stiffness_fill(&S, 2, (const double[]){1, -1, -1, 1}, DLS_CHOLESKY, 1);
   const int p[] = {0, 1, 1};
   int whole[2];
@@ -175,14 +163,13 @@ START_TEST(rounding) {
             dls_certificate_verdict(&c, 1e-8) == DLS_TO_ROUNDING);
   ck_assert(dlsi_body_badness(&c) >= 4e8 * DBL_EPSILON);
 }
-END_TEST
 
 /* Unknowns (t, n) of a node, and one that a penalty of 1e18 holds at 1: K. */
 static const double held[9] = {4, 1, -1, 1, 4, 0, -1, 0, 1e18};
 
 /* What a penalty rounds does not hide a contact elsewhere, and no rounding hides a reaction that is
  * far outside its cone: contact of unknowns (n, t) = (1, 0), then (1, 2). */
-START_TEST(penalties_hide_little) {
+TEST_EACH(penalties_hide_little, 0, 2) {
   const int on_penalty = _i, p[2][4] = {{0, 1, 2, 2}, {0, 0, 1, 2}}, at[2][2] = {{1, 0}, {0, 1}};
   const double mu[] = {.25}, v[] = {.25, on_penalty ? 1e-18 : .25};
   double share[3], r[2] = {1, 0}, x[3] = {0, 0, 1}, f[3], u[2];
@@ -212,11 +199,10 @@ START_TEST(penalties_hide_little) {
     ck_assert_msg(wrong ? c.residual_r > .1 : c.residual_r == 0, "%d: %g", wrong, c.residual_r);
   }
 }
-END_TEST
 
 /* A joint pulls with 1e16, which the loads balance: a reaction of 4 is rounding, and says so. A
  * reaction that balances it measures no load of 8. */
-START_TEST(joints_show_rounding) {
+TEST(joints_show_rounding) {
   const double K[9] = {1, 0, 0, 0, 1, 1e8, 0, 1e8, 0}, mu[] = {.25}, v[] = {1, 1};
   const double x[] = {0, 0, 1e8}, r[] = {4, 0}, f[] = {0, 1e16 - 4, 0};
   const int p[] = {0, 1, 2, 2}, of_unknown[] = {1, 0};
@@ -243,11 +229,4 @@ START_TEST(joints_show_rounding) {
   const double large[] = {1e16 - 8, 0}, small[] = {0, 8, 0};
   dlsi_body_measure(&body, small, NULL, mu, large, x, u, work, &c);
   ck_assert(c.residual == 0 && c.floor_e > .1);
-}
-END_TEST
-
-int main(void) {
-  return RUN("body", NULL, NULL, EACH(weights_and_parts, 0, 6), ONCE(weights_guarded),
-             ONCE(exact_pair), ONCE(wrong_pairs), ONCE(rounding), EACH(penalties_hide_little, 0, 2),
-             ONCE(joints_show_rounding));
 }

@@ -1,12 +1,6 @@
 /* test_estimate.c: the estimated cost of a problem on K against counts by elimination, entry by
  * entry, and against the bytes that a solve allocates. */
-#include <check.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "errors.h"
 #include "global/global_internal.h"
-#include "malloc_fails.h"
 #include "run.h"
 #include "solids.h"
 
@@ -85,7 +79,7 @@ static void scene(solids *S, int kind) {
 /* A supernode of c columns with r rows below it takes the integral of (r + x)^2 from 0 to c, which
  * two sums over its columns enclose, and stores the upper half of its triangle. The zeros that it
  * stores are a third of it at most. */
-START_TEST(beside_elimination) {
+TEST_EACH(beside_elimination, 0, 4) {
   solids S;
   dls_global *G;
   dls_global_info info, again;
@@ -120,11 +114,10 @@ START_TEST(beside_elimination) {
   dls_global_destroy(G);
   solids_free(&S);
 }
-END_TEST
 
 /* Create and the first solve ask for what stays, and for a moment for the arrays of the copy, of
  * the analysis, and of a factorisation. */
-START_TEST(beside_malloc) {
+TEST_EACH(beside_malloc, 0, 3) {
   solids S;
   dls_global *G;
   dls_global_info info;
@@ -146,36 +139,23 @@ START_TEST(beside_malloc) {
   free(r);
   solids_free(&S);
 }
-END_TEST
 
-START_TEST(errors_named) {
+TEST(errors_named) {
   solids S;
   dls_global *G;
   dls_global_info info = {.flops = -1};
-  dls_error e;
   scene(&S, 0);
-  expect_error(dls_global_estimate(NULL, &info, &e), &e, DLS_E_ARGUMENT, "dls_global_estimate",
-               "model", -1);
-  expect_error(dls_global_estimate(&S.model, NULL, &e), &e, DLS_E_ARGUMENT, "dls_global_estimate",
-               "info", -1);
-  expect_error(dls_global_get_info(NULL, &info, &e), &e, DLS_E_ARGUMENT, "dls_global_get_info",
-               "global", -1);
+  REFUSES(ARGUMENT, "model", -1, dls_global_estimate, NULL, &info);
+  REFUSES(ARGUMENT, "info", -1, dls_global_estimate, &S.model, NULL);
+  REFUSES(ARGUMENT, "global", -1, dls_global_get_info, NULL, &info);
   ck_assert(!dls_global_create(&G, &S.model, NULL));
-  expect_error(dls_global_get_info(G, NULL, &e), &e, DLS_E_ARGUMENT, "dls_global_get_info", "info",
-               -1);
+  REFUSES(ARGUMENT, "info", -1, dls_global_get_info, G, NULL);
   G->busy = 1;
-  expect_error(dls_global_get_info(G, &info, &e), &e, DLS_E_BUSY, "dls_global_get_info", "global",
-               -1);
+  REFUSES(BUSY, "global", -1, dls_global_get_info, G, &info);
   G->busy = 0;
   dls_global_destroy(G);
   solids_free(&S);
   scene(&S, 3);
   MALLOCS_FAIL(dls_global_estimate(&S.model, &info, NULL), info.flops == -1, DLS_OK, 19);
   solids_free(&S);
-}
-END_TEST
-
-int main(void) {
-  return RUN("global estimate", NULL, NULL, EACH(beside_elimination, 0, 4),
-             EACH(beside_malloc, 0, 3), ONCE(errors_named));
 }

@@ -1,17 +1,10 @@
 /* test_multipliers.c: joints together with contacts, redundant ones too, on W and on K: truth from
  * statics by hand. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "delassus/global.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
-#include "errors.h"
 #include "linkage.h"
-#include "malloc_fails.h"
 #include "reduced.h"
 #include "run.h"
 #include "solids.h"
@@ -87,7 +80,7 @@ static void lean(int times) {
 }
 
 /* Each foot carries one weight; thrust T = W cot(angle) / 2 is below friction .8. */
-START_TEST(doubled_hinge) {
+TEST_EACH(doubled_hinge, 0, 3 * runs) {
   const int times = 1 + _i % 3;
   const double thrust = weight / tan(angle) / 2;
   lean(times);
@@ -107,10 +100,9 @@ START_TEST(doubled_hinge) {
   for (int k = 8; k < L.n; k++)
     ck_assert(x[k] == 0);
 }
-END_TEST
 
 /* Feet that slip: T = mu W, and both bars move as statics by virtual work says. */
-START_TEST(slipping_feet) {
+TEST_EACH(slipping_feet, 0, runs) {
   lean(2);
   const double mu = .3, c = cos(angle), s = sin(angle);
   const dls_status status = solve_run(_i, mu, 1e-10);
@@ -127,7 +119,6 @@ START_TEST(slipping_feet) {
   ck_assert_double_eq_tol(r[3], -mu * N, 1e-8);
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
 }
-END_TEST
 
 /* A crank about the ground, a rod, and a slider on the ground; a couple on the crank pushes the
  * slider against friction. The rod carries S = couple / (R sin(a + b)). */
@@ -148,7 +139,7 @@ static void slider_crank(int times, double couple) {
   L.f[2] = couple;
 }
 
-START_TEST(slider_crank_holds) {
+TEST_EACH(slider_crank_holds, 0, 2 * runs) {
   const double R = .5, l = 1.5, a = 1, b = asin(R * sin(a) / l), couple = -2;
   const double S = -couple / (R * sin(a + b));
   slider_crank(1 + _i % 2, couple);
@@ -159,7 +150,6 @@ START_TEST(slider_crank_holds) {
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
   if (!(_i / 2 & 1)) ck_assert_int_eq(facts.redundant, _i % 2 ? 7 : 0);
 }
-END_TEST
 
 /* A four-bar linkage in space, its axes along y: two cranks at angle `lean` on ground pivots, and a
  * coupler with a foot on the ground. A hinge in space has 5 rows, four of them 20 on 18 unknowns of
@@ -182,7 +172,7 @@ static void four_bar(void) {
 }
 
 /* Every point of the coupler moves along (-sin, 0, cos) of the tilt: virtual work. */
-START_TEST(four_bar_stands) {
+TEST_EACH(four_bar_stands, 0, 3 * runs) {
   const double mu = _i % 3 * .4, tilt = 1.1, load = (7 + 3) * cos(tilt);
   four_bar();
   const dls_status status = solve_run(_i / 3, mu, 1e-10);
@@ -192,7 +182,6 @@ START_TEST(four_bar_stands) {
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
   if (!(_i / 3 & 1)) ck_assert(facts.joints == 20 && facts.redundant == 3);
 }
-END_TEST
 
 /* A straight chain of bars, pinned to the ground at both ends, contacts .1 below the middles: 44
  * bars with each pin given twice have n = 312, more than what is factored dense. */
@@ -210,7 +199,7 @@ static void chain(int bars, int times) {
 
 /* Nothing moves, whether pins are doubled or not, and vertical forces balance. Contacts and pins
  * are more than the bars have motions: r is not unique. */
-START_TEST(chains) {
+TEST_EACH(chains, 0, 4 * runs) {
   const int bars = _i / 2 / runs ? 44 : 12, times = 1 + _i % 2, positions = 3 * bars;
   chain(bars, times);
   const dls_status status = solve_run(_i / 2 % runs, 0, 1e-12);
@@ -227,7 +216,6 @@ START_TEST(chains) {
     sum += r[2 * c];
   ck_assert_double_eq_tol(sum, bars, 1e-9);
 }
-END_TEST
 
 /* ---- elastic bodies -------------------------------------------------------------------------- */
 
@@ -313,7 +301,7 @@ static void expect_whole(const double *s, const double *z, const double *y) {
 }
 
 /* The halves have W, r and x of the whole, by W and on K. */
-START_TEST(tied_halves) {
+TEST_EACH(tied_halves, 0, 2) {
   static double y[2 * plates], z[2 * plates + 4 * column], f[2 * plates + 4 * column];
   const int times = 1 + _i % 2;
   double mu[across], s[2 * across] = {0};
@@ -351,7 +339,6 @@ START_TEST(tied_halves) {
   solids_free(&whole);
   solids_free(&halves);
 }
-END_TEST
 
 /* ---- statics without mass, proofs ------------------------------------------------------------ */
 
@@ -360,7 +347,7 @@ static void without_mass(void) {
     if (L.K.row[k] == L.K.col[k]) L.K.x[k] = 0;
 }
 
-START_TEST(massless) {
+TEST_EACH(massless, 0, 12) {
   const double thrust = weight / tan(angle) / 2;
   lean(1 + _i % 3);
   without_mass();
@@ -371,11 +358,10 @@ START_TEST(massless) {
   ck_assert_double_eq_tol(r[2], weight, 1e-9);
   ck_assert_double_eq_tol(r[3], -thrust, 1e-9);
 }
-END_TEST
 
 /* Friction .7 holds no thrust of .731: the motion that proves it moves bodies, not forces. Joints
  * that contradict each other are proved by forces alone. */
-START_TEST(proofs) {
+TEST_EACH(proofs, 0, 4) {
   const int contradict = _i / 2, is_sparse = _i % 2;
   dls_global *global;
   dls_error e = {0};
@@ -411,10 +397,9 @@ START_TEST(proofs) {
     ck_assert_int_eq(status, DLS_NO_SOLUTION);
   }
 }
-END_TEST
 
 /* A pin that is pulled open by .125: b; on one side of two parallel cranks. */
-START_TEST(prescribed) {
+TEST_EACH(prescribed, 0, runs) {
   const double end[2] = {.5, 0}, pin[2] = {-.5, 0};
   linkage_new(&L, 2);
   (void)linkage_body(&L, 2, 2. / 12, 0);
@@ -432,7 +417,6 @@ START_TEST(prescribed) {
   ck_assert_double_eq_tol(r[0], .125 * (2. / 4 - 2. / 12), 1e-13);
   ck_assert_msg(linkage_apart(&L, x) <= joint_tol, "%g", linkage_apart(&L, x));
 }
-END_TEST
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
@@ -446,7 +430,7 @@ static dls_certificate certify(dls_reduction *reduction) {
 
 /* An open joint is a length over lengths, and a light body is not hidden by a heavy one. From 6 on
  * bar 0 has no inertia: a row without stiffness makes no length. */
-START_TEST(wrong_pairs) {
+TEST_EACH(wrong_pairs, 0, 12) {
   lean(2);
   L.K.x[0] = L.K.x[1] = 1e8; /* bar 0: mass, weight, inertia */
   L.K.x[2] = _i < 6 ? 1e8 / 12 : 0;
@@ -476,7 +460,6 @@ START_TEST(wrong_pairs) {
   ck_assert_double_eq_tol(c.unbalanced / (weight * units[0]), .5, .5);
   dls_reduction_destroy(reduction);
 }
-END_TEST
 
 /* ---- new values, memory ---------------------------------------------------------------------- */
 
@@ -494,7 +477,7 @@ static void cranks(double tilt) {
   linkage_contact(&L, 3, (double[]){.25, -.5});
 }
 
-START_TEST(updated) {
+TEST_EACH(updated, 0, 2) {
   const double tilts[] = {1.1, .9, 1.1}, mu[1] = {0};
   dls_reduction *reduction = NULL;
   dls_global *global = NULL;
@@ -525,9 +508,8 @@ START_TEST(updated) {
   dls_reduction_destroy(reduction);
   dls_global_destroy(global);
 }
-END_TEST
 
-START_TEST(failing_mallocs) {
+TEST_EACH(failing_mallocs, 0, 4) {
   const double mu[2] = {.8, .8};
   lean(2);
   if (_i & 1) L.f[9] = .25; /* the proof, too */
@@ -552,12 +534,7 @@ START_TEST(failing_mallocs) {
   }
   ck_assert_int_eq(status, _i & 1 ? DLS_NO_SOLUTION : DLS_OK);
 }
-END_TEST
 
 int main(void) {
-  return RUN("multipliers", NULL, free_linkage, EACH(doubled_hinge, 0, 3 * runs),
-             EACH(slipping_feet, 0, runs), EACH(slider_crank_holds, 0, 2 * runs),
-             EACH(four_bar_stands, 0, 3 * runs), EACH(chains, 0, 4 * runs), EACH(massless, 0, 12),
-             EACH(tied_halves, 0, 2), EACH(proofs, 0, 4), EACH(prescribed, 0, runs),
-             EACH(wrong_pairs, 0, 12), EACH(updated, 0, 2), EACH(failing_mallocs, 0, 4));
+  return run_tests("multipliers", NULL, free_linkage);
 }

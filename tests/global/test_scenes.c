@@ -1,10 +1,6 @@
 /* test_scenes.c: free bodies with random contacts in 2D and 3D, with known statics. A scene that
  * stands is solved; one that falls is never "solved", and is proved to fall; no other proofs.
  * build/tests/global/test_scenes runs a fixed number of seeds. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-
 #include "delassus/global.h"
 #include "run.h"
 #include "scenes.h"
@@ -73,21 +69,15 @@ static dls_status solve_scene(uint64_t seed, int d, scene_kind kind) {
   return status;
 }
 
-START_TEST(stand) {
+TEST_EACH(stand, 0, 2) {
   for (uint64_t seed = 0; seed < scenes; seed++)
     (void)solve_scene(seed, 2 + _i, SCENE_STANDS);
 }
-END_TEST
 
 /* In 3D 6 in 400 are not proved (seeds 1, 3, .. 799). */
-START_TEST(fall) {
+TEST_EACH(fall, 0, 2) {
   int proved = 0;
   for (uint64_t seed = 0; seed < scenes; seed++)
     proved += solve_scene(seed, 2 + _i, SCENE_FALLS) == DLS_NO_SOLUTION;
   ck_assert_int_ge(proved, _i ? scenes - 5 : scenes);
-}
-END_TEST
-
-int main(void) {
-  return RUN("scenes", NULL, NULL, EACH(stand, 0, 2), EACH(fall, 0, 2));
 }

@@ -1,13 +1,5 @@
 /* test_solver.c: the contact problem on K with the host's solver for K + H R H^T. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/global.h"
-#include "errors.h"
-#include "malloc_fails.h"
 #include "run.h"
 #include "solids.h"
 
@@ -192,7 +184,7 @@ static void expect_equal(solids *S, double friction) {
   free(x);
 }
 
-START_TEST(agrees_with_the_factor) {
+TEST_EACH(agrees_with_the_factor, 0, 3) {
   solids S;
   if (_i == 0)
     solids_pad(&S, 24, 4);
@@ -204,11 +196,10 @@ START_TEST(agrees_with_the_factor) {
   expect_equal(&S, 0.3);
   solids_free(&S);
 }
-END_TEST
 
 /* Newton steps by the host's preconditioner, exact or rough, end where the factor ends, in the same
  * steps in other units; where it is no preconditioner, or a motion is free, the splitting does. */
-START_TEST(newton_by_the_host) {
+TEST_EACH(newton_by_the_host, 0, 15) {
   static const struct {
     int most;
     double garbage;
@@ -273,10 +264,9 @@ START_TEST(newton_by_the_host) {
   }
   ck_assert(kind == 2 || steps[0] == steps[1]); /* garbage has no units */
 }
-END_TEST
 
 /* Where all contacts are open, or there is none, x is as accurate as tol asks for. */
-START_TEST(open_or_none) {
+TEST_EACH(open_or_none, 0, 2) {
   solids S;
   solids_pad(&S, 12, 3);
   const dls_model *model = solids_model(&S);
@@ -297,17 +287,15 @@ START_TEST(open_or_none) {
   ck_assert_int_eq(dls_global_solve(G, S.f, m ? S.g : NULL, NULL, NULL, r, x, &info, &e), DLS_OK);
   ck_assert_msg(info.certificate.equilibrium > 0 && info.certificate.equilibrium <= 1e-8, "%g",
                 info.certificate.equilibrium);
-  for (int k = 0; k < m; k++)
-    ck_assert(r[k] == 0);
+  assert_all(r, m, 0);
   dls_global_destroy(G);
   free(h.R);
   free(r);
   solids_free(&S);
 }
-END_TEST
 
 /* What a host answers is what the solve answers. */
-START_TEST(answers_of_a_host) {
+TEST(answers_of_a_host) {
   solids S;
   solids_pad(&S, 6, 2);
   const dls_model *model = solids_model(&S);
@@ -318,29 +306,23 @@ START_TEST(answers_of_a_host) {
   dls_global *G = (void *)&h;
   dls_error e = {0};
   dls_info info = {0};
-  expect_error(dls_global_create_with(&G, model, NULL, &e), &e, DLS_E_ARGUMENT,
-               "dls_global_create_with", "solver", -1);
+  REFUSES(ARGUMENT, "solver", -1, dls_global_create_with, &G, model, NULL);
   ck_assert_ptr_null(G);
   solver.prepare = NULL;
-  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
-               "dls_global_create_with", "solver.prepare", -1);
+  REFUSES(ARGUMENT, "solver.prepare", -1, dls_global_create_with, &G, model, &solver);
   solver.prepare = prepare;
   solver.solve = NULL;
-  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
-               "dls_global_create_with", "solver.solve", -1);
+  REFUSES(ARGUMENT, "solver.solve", -1, dls_global_create_with, &G, model, &solver);
   solver.solve = gradients;
   solver.apply = cycle;
-  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
-               "dls_global_create_with", "solver.block", -1);
+  REFUSES(ARGUMENT, "solver.block", -1, dls_global_create_with, &G, model, &solver);
   solver.apply = NULL;
   solver.block = block;
-  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
-               "dls_global_create_with", "solver.apply", -1);
+  REFUSES(ARGUMENT, "solver.apply", -1, dls_global_create_with, &G, model, &solver);
   solver.apply = cycle;
   h.answer_apply = DLS_E_MEMORY;
   ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
-  expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_MEMORY,
-               "dls_global_solve", "solver", -1);
+  REFUSES(MEMORY, "solver", -1, dls_global_solve, G, S.f, S.g, NULL, NULL, r, x, &info);
   h.answer_apply = DLS_CANCELLED;
   ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), DLS_CANCELLED);
   h.answer_apply = DLS_OK;
@@ -352,19 +334,15 @@ START_TEST(answers_of_a_host) {
   solver.apply = NULL;
   ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
   dls_global_info cost;
-  expect_error(dls_global_get_info(G, &cost, &e), &e, DLS_E_UNSUPPORTED, "dls_global_get_info",
-               "global", -1);
+  REFUSES(UNSUPPORTED, "global", -1, dls_global_get_info, G, &cost);
   h.answer_prepare = DLS_E_SINGULAR;
-  expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_SINGULAR,
-               "dls_global_solve", "solver", -1);
+  REFUSES(SINGULAR, "solver", -1, dls_global_solve, G, S.f, S.g, NULL, NULL, r, x, &info);
   ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, NULL), DLS_E_SINGULAR);
   h.answer_prepare = DLS_OK;
   h.answer_solve = DLS_E_MEMORY;
-  expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_MEMORY,
-               "dls_global_solve", "solver", -1);
+  REFUSES(MEMORY, "solver", -1, dls_global_solve, G, S.f, S.g, NULL, NULL, r, x, &info);
   ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, NULL), DLS_E_MEMORY);
-  for (int k = 0; k < m + n; k++)
-    ck_assert(r[k] == 0); /* untouched */
+  assert_all(r, m + n, 0); /* untouched */
   h.answer_solve = DLS_CANCELLED;
   ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), DLS_CANCELLED);
   ck_assert_int_eq(info.status, DLS_CANCELLED);
@@ -376,10 +354,9 @@ START_TEST(answers_of_a_host) {
   free(r);
   solids_free(&S);
 }
-END_TEST
 
 /* Nothing holds a body that is lifted; without a factor that is not proved. */
-START_TEST(without_proof) {
+TEST(without_proof) {
   solids S;
   solids_stack(&S, 2, 1, 2, 0);
   const dls_model *model = solids_model(&S);
@@ -403,10 +380,9 @@ START_TEST(without_proof) {
   free(r);
   solids_free(&S);
 }
-END_TEST
 
 /* Each malloc of create fails in turn; a solve allocates nothing. */
-START_TEST(failing_mallocs) {
+TEST(failing_mallocs) {
   solids S;
   solids_plate(&S, 3, 1);
   const dls_model *model = solids_model(&S);
@@ -425,11 +401,4 @@ START_TEST(failing_mallocs) {
   free(h.R);
   free(r);
   solids_free(&S);
-}
-END_TEST
-
-int main(void) {
-  return RUN("solver", NULL, NULL, EACH(agrees_with_the_factor, 0, 3),
-             EACH(newton_by_the_host, 0, 15), EACH(open_or_none, 0, 2), ONCE(answers_of_a_host),
-             ONCE(without_proof), ONCE(failing_mallocs));
 }

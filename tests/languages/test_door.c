@@ -4,11 +4,7 @@
  * door.cpp, door.f90 and door.py print what this program does: a line a problem, its name, the
  * status, the bits of r, u, x, residual, equilibrium.
  */
-#include <check.h>
 #include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "delassus.h"
@@ -86,7 +82,7 @@ static void door_compare(const char *program, const char *command) {
   ck_assert_msg(strcmp(printed, expected) == 0, "%s\n%snot\n%s", command, printed, expected);
 }
 
-START_TEST(languages_agree) {
+TEST(languages_agree) {
   const char *build = getenv("DELASSUS_BUILD"), *python = getenv("PYTHON");
   char command[500];
   if (!build) build = "build";
@@ -100,9 +96,4 @@ START_TEST(languages_agree) {
     door_compare("tests/languages/door.py", command);
   else
     (void)printf("skipped: door.py, no PYTHON\n");
-}
-END_TEST
-
-int main(void) {
-  return RUN("door", NULL, NULL, ONCE(languages_agree));
 }

@@ -721,8 +721,7 @@ class Motion(unittest.TestCase):
             self.ball(theta=2.0)
         self.assertEqual(caught.exception.argument, "theta")
 
-
-    def test_path_on_K(self):
+    def test_membrane_on_K(self):
         # the contact problem is that on K: a Solution of all contacts
         n = 40
         line = sp.diags([2., -1., -1.], [0, 1, -1], (n, n))

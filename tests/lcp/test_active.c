@@ -1,14 +1,5 @@
 /* test_active.c: LCPs in compressed columns: dls_principal_solve, the certificate, refusals. */
-#include <check.h>
-#include <limits.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/pivoting.h"
-#include "errors.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 /* ---- problems -------------------------------------------------------------------------------- */
@@ -161,7 +152,7 @@ static double residual(const columns *c, const double *z) {
 
 /* Random P-matrices, with unsorted and repeated entries: the only solution, for any
  * block_steps. */
-START_TEST(agrees_with_the_dense_method) {
+TEST(agrees_with_the_dense_method) {
   enum { n = 40 };
   static double M[n * n], q[n], exact[n], z[n];
   for (int trial = 0; trial < 60; trial++) {
@@ -189,16 +180,14 @@ START_TEST(agrees_with_the_dense_method) {
       const dls_principal_info info = active_solve(&c, &settings, z, NULL);
       ck_assert_int_eq(info.status, DLS_OK);
       ck_assert(steps > 0 || info.path_steps > 0);
-      for (int i = 0; i < n; i++)
-        ck_assert_double_eq_tol(z[i], exact[i], 1e-13);
+      assert_near(z, exact, n, 1e-13);
     }
     drop(&c);
   }
 }
-END_TEST
 
 /* The number of factorisations hardly grows with the mesh; without sweeps it is that of layers. */
-START_TEST(membranes) {
+TEST(membranes) {
   for (int wind = 0; wind < 2; wind++)
     for (int side = 20; side <= 80; side *= 2) {
       columns c = membrane(side, wind * .3);
@@ -218,10 +207,9 @@ START_TEST(membranes) {
       drop(&c);
     }
 }
-END_TEST
 
 /* Rounds would move each border by a node: the path takes their place. */
-START_TEST(optimal_stopping) {
+TEST(optimal_stopping) {
   for (int n = 500; n <= 8000; n *= 4) {
     columns c = stopping(n);
     double *z = calloc((size_t)n, sizeof *z);
@@ -237,10 +225,9 @@ START_TEST(optimal_stopping) {
     drop(&c);
   }
 }
-END_TEST
 
 /* Block pivots alone cycle on these (data/failures l03, l04). */
-START_TEST(where_block_pivots_cycle) {
+TEST(where_block_pivots_cycle) {
   const double unsymmetric[9] = {1, 0, 3, 3, 2, 1, -3, -1, 1}, p[3] = {1, 2, -4};
   const double symmetric[9] = {6, -3, 5, -3, 2, -2, 5, -2, 5}, q[3] = {4, -3, 1};
   const double answer[2][3] = {{1.1, 0, 0.7}, {0, 13.0 / 6, 2.0 / 3}};
@@ -256,11 +243,10 @@ START_TEST(where_block_pivots_cycle) {
       drop(&c);
     }
 }
-END_TEST
 
 /* min |x - c|^2 / 2, A x <= b, x >= 0 with its multipliers l: M = (I A^T; -A 0) is positive
  * semidefinite, and M_AA singular for most A. x is the only one, and what Lemke's method finds. */
-START_TEST(quadratic_programs) {
+TEST(quadratic_programs) {
   enum { x = 30, l = 12, n = x + l };
   static double M[n * n], q[n], z[n], other[n];
   for (int trial = 0; trial < 20; trial++) {
@@ -285,14 +271,12 @@ START_TEST(quadratic_programs) {
     ck_assert_int_eq(dls_lemke_create(&lemke, n, NULL, NULL), DLS_OK);
     ck_assert_int_eq(dls_lemke_solve(lemke, &dense, other, NULL, NULL, NULL), DLS_OK);
     dls_lemke_destroy(lemke);
-    for (int i = 0; i < x; i++)
-      ck_assert_double_eq_tol(z[i], other[i], 1e-7);
+    assert_near(z, other, x, 1e-7);
     drop(&c);
   }
 }
-END_TEST
 
-START_TEST(matrices_that_are_no_p_matrices) {
+TEST(matrices_that_are_no_p_matrices) {
   const double ones[4] = {1, 1, 1, 1}, negative[1] = {-1}, minus[2] = {-1, -1};
   double z[2];
   columns c = from_dense(2, ones, minus); /* z_0 + z_1 = 1: the path goes between */
@@ -313,9 +297,8 @@ START_TEST(matrices_that_are_no_p_matrices) {
   ck_assert_int_eq(active_solve(&c, NULL, z, NULL).status, DLS_STALLED);
   drop(&c);
 }
-END_TEST
 
-START_TEST(warm_starts_units_and_bits) {
+TEST(warm_starts_units_and_bits) {
   columns c = membrane(40, .2);
   const size_t bytes = (size_t)c.n * sizeof(double);
   double *cold = calloc(2 * (size_t)c.n, sizeof *cold), *z = cold + c.n;
@@ -345,7 +328,6 @@ START_TEST(warm_starts_units_and_bits) {
   free(cold);
   drop(&c);
 }
-END_TEST
 
 /* ---- limits ---------------------------------------------------------------------------------- */
 
@@ -357,7 +339,7 @@ static int stop_at_third(void *data, const dls_progress *p) {
   return ++*calls == 3;
 }
 
-START_TEST(limits) {
+TEST(limits) {
   columns c = stopping(2000);
   double *z = calloc((size_t)c.n, sizeof *z);
   for (int steps = 0; steps <= 10; steps += 10) {
@@ -382,11 +364,10 @@ START_TEST(limits) {
   free(z);
   drop(&c);
 }
-END_TEST
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-START_TEST(certificate_is_that_of_the_dense_matrix) {
+TEST(certificate_is_that_of_the_dense_matrix) {
   enum { n = 12 };
   double M[n * n], z[n], y[n], other[n];
   for (int trial = 0; trial < 50; trial++) {
@@ -411,11 +392,10 @@ START_TEST(certificate_is_that_of_the_dense_matrix) {
     drop(&c);
   }
 }
-END_TEST
 
 /* ---- refusals -------------------------------------------------------------------------------- */
 
-START_TEST(bad_input) {
+TEST(bad_input) {
   columns c = membrane(3, 0);
   double z[9] = {7}, dense[81] = {0};
   dls_error error;
@@ -449,42 +429,34 @@ START_TEST(bad_input) {
   REFUSED(DLS_E_ARGUMENT, "Ms", -1);
   /* what create was told of */
   lcp.Ms = (dls_sparse){0};
-  expect_error(dls_principal_solve(work, &lcp, z, NULL, NULL, &error), &error, DLS_E_SIZE,
-               "dls_principal_solve", "M", -1);
+  REFUSES(SIZE, "M", -1, dls_principal_solve, work, &lcp, z, NULL, NULL);
   dls_principal_destroy(work);
   lcp = view(&c);
   for (int few = 0; few < 2; few++) {
     settings.limits.blocks = few ? c.count - 1 : 0;
     ck_assert_int_eq(dls_principal_create(&work, c.n, &settings, NULL), DLS_OK);
-    expect_error(dls_principal_solve(work, &lcp, z, NULL, NULL, &error), &error, DLS_E_SIZE,
-                 "dls_principal_solve", "Ms", -1);
+    REFUSES(SIZE, "Ms", -1, dls_principal_solve, work, &lcp, z, NULL, NULL);
     dls_principal_destroy(work);
   }
   settings.limits.blocks = INT_MAX;
-  expect_error(dls_principal_create(&work, 9, &settings, &error), &error, DLS_E_SIZE,
-               "dls_principal_create", "blocks", -1);
+  REFUSES(SIZE, "blocks", -1, dls_principal_create, &work, 9, &settings);
   ck_assert(!work);
   /* functions of a dense M */
   dls_lemke *lemke;
   dls_enumeration found;
   ck_assert_int_eq(dls_lemke_create(&lemke, 9, NULL, NULL), DLS_OK);
-  expect_error(dls_lemke_solve(lemke, &lcp, z, NULL, NULL, &error), &error, DLS_E_UNSUPPORTED,
-               "dls_lemke_solve", "Ms", -1);
+  REFUSES(UNSUPPORTED, "Ms", -1, dls_lemke_solve, lemke, &lcp, z, NULL, NULL);
   dls_lemke_destroy(lemke);
-  expect_error(dls_lcp_enumerate(&lcp, 0, 1, z, &found, &error), &error, DLS_E_UNSUPPORTED,
-               "dls_lcp_enumerate", "Ms", -1);
-  expect_error(dls_lcp_check_farkas(&lcp, z, z, &error), &error, DLS_E_UNSUPPORTED,
-               "dls_lcp_check_farkas", "Ms", -1);
-  expect_error(dls_lcp_check_ray(&lcp, z, z, 1, z, 1, z, &error), &error, DLS_E_UNSUPPORTED,
-               "dls_lcp_check_ray", "Ms", -1);
+  REFUSES(UNSUPPORTED, "Ms", -1, dls_lcp_enumerate, &lcp, 0, 1, z, &found);
+  REFUSES(UNSUPPORTED, "Ms", -1, dls_lcp_check_farkas, &lcp, z, z);
+  REFUSES(UNSUPPORTED, "Ms", -1, dls_lcp_check_ray, &lcp, z, z, 1, z, 1, z);
   ck_assert(z[0] == 7);
   ck_assert_int_eq(dls_lcp_certify(&lcp, dense, NULL, &certificate, NULL), DLS_OK);
   drop(&c);
 }
-END_TEST
 
 /* Beyond 250 unknowns the factor is MUMPS', below it is ours. */
-START_TEST(each_malloc_fails) {
+TEST(each_malloc_fails) {
   for (int side = 6; side <= 20; side += 14)
     for (int steps = 0; steps <= 10; steps += 10) {
       columns c = membrane(side, .1);
@@ -518,13 +490,4 @@ START_TEST(each_malloc_fails) {
       free(z);
       drop(&c);
     }
-}
-END_TEST
-
-int main(void) {
-  return RUN("active", NULL, NULL, ONCE(agrees_with_the_dense_method), ONCE(membranes),
-             ONCE(optimal_stopping), ONCE(where_block_pivots_cycle), ONCE(quadratic_programs),
-             ONCE(matrices_that_are_no_p_matrices), ONCE(warm_starts_units_and_bits), ONCE(limits),
-             ONCE(certificate_is_that_of_the_dense_matrix), ONCE(bad_input),
-             ONCE(each_malloc_fails));
 }

@@ -1,9 +1,4 @@
 /* test_crash.c: the rounds of the crash start against elimination, and where they give up. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "lcp/lcp_internal.h"
 #include "lcp_of.h"
@@ -140,7 +135,7 @@ static int expect_crash(const dls_lcp *lcp, const double *z, int *changes) {
 static double M[most_n * most_n], q[most_n], start[most_n];
 
 /* Positive definite, nearly all of A_0 right: a few indices change, and change back. */
-START_TEST(rounds_are_elimination) {
+TEST(rounds_are_elimination) {
   int changes = 0, ends[3] = {0};
   for (int trial = 0; trial < 60; trial++) {
     const int n = 20 + trial % 29;
@@ -156,11 +151,10 @@ START_TEST(rounds_are_elimination) {
   ck_assert_int_gt(changes, 20);
   ck_assert_int_gt(ends[2], 20);
 }
-END_TEST
 
 /* Small integers, zeros on the diagonal: bases that are singular, columns without a partner; unit
  * blocks below let there be factors that are kept. */
-START_TEST(rounds_of_integers) {
+TEST(rounds_of_integers) {
   int changes = 0, ends[3] = {0};
   set_seed(21);
   for (int trial = 0; trial < 400; trial++) {
@@ -180,11 +174,10 @@ START_TEST(rounds_of_integers) {
   ck_assert_int_gt(ends[0], 50);
   ck_assert_int_gt(ends[2], 20);
 }
-END_TEST
 
 /* Exchanging all at once cycles here [Kostreva 1979], from six of the eight bases: `patience`
  * rounds, or one more. */
-START_TEST(patience_ends) {
+TEST(patience_ends) {
   const double C[9] = {1, 0, 2, 2, 1, 0, 0, 2, 1}, minus[3] = {-1, -1, -1};
   const dls_lcp lcp = lcp_of(3, C, minus);
   int ends[3] = {0}, changes = 0;
@@ -194,12 +187,11 @@ START_TEST(patience_ends) {
   }
   ck_assert(ends[0] == 6 && ends[2] == 2);
 }
-END_TEST
 
 /* (CR3) |M||z| is 2^k - 1 in two rows with q = -1: too much from 1000 on, unless as many rows are
  * as they should; rows without a load do not
  * count, whatever their terms. */
-START_TEST(growth_gives_up) {
+TEST(growth_gives_up) {
   for (int k = 9; k <= 10; k++)
     for (int others = 0; others <= 2; others++)
       for (int loaded = 0; loaded < 2; loaded++) {
@@ -223,11 +215,10 @@ START_TEST(growth_gives_up) {
         free(t.arena.base);
       }
 }
-END_TEST
 
 /* A pivot of 2^-39 beside terms of 1 is regular, one of 2^-40 is rounding, wherever the two rows
  * stand and in any unit. The answer is 1 in both. */
-START_TEST(what_is_singular) {
+TEST(what_is_singular) {
   static const int pairs[][2] = {{0, 1}, {5, 37}, {31, 32}, {0, 31}, {32, 33}, {0, 47}, {46, 47}};
   for (size_t p = 0; p < sizeof pairs / sizeof pairs[0]; p++)
     for (int k = 39; k <= 40; k++) {
@@ -251,10 +242,4 @@ START_TEST(what_is_singular) {
         ck_assert_double_eq_tol(t.work.z[i], k == 39 ? 1 : 0, 1e-15);
       free(t.arena.base);
     }
-}
-END_TEST
-
-int main(void) {
-  return RUN("crash", NULL, NULL, ONCE(rounds_are_elimination), ONCE(rounds_of_integers),
-             ONCE(patience_ends), ONCE(growth_gives_up), ONCE(what_is_singular));
 }

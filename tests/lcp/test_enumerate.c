@@ -1,8 +1,4 @@
 /* test_enumerate.c: vertices, proofs of emptiness and extents of { x >= 0 : C x = q }, by hand. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "lcp/lcp_internal.h"
 #include "run.h"
 
@@ -38,7 +34,7 @@ static const vertex_case vertices[] = {
 };
 enum { vertex_count = sizeof vertices / sizeof *vertices };
 
-START_TEST(finds_vertices) {
+TEST_EACH(finds_vertices, 0, vertex_count) {
   const vertex_case *k = &vertices[_i];
   double x[rows_most + 1] = {7, 7, 7, 7};
   ck_assert_int_eq(dlsi_find_vertex(k->n, k->C, x), k->found);
@@ -46,11 +42,10 @@ START_TEST(finds_vertices) {
     ck_assert_double_eq_tol(x[i], k->x[i], 1e-15);
   ck_assert(x[k->n] == 7);
 }
-END_TEST
 
 /* y.C <= 0 and y.q > 0. By hand: two values of x_0; -x_0 = 1; and the slack in the equations of
  * columns that are basic. */
-START_TEST(refutes_vertices) {
+TEST(refutes_vertices) {
   double y[rows_most + 1];
   for (int c = 0; c < vertex_count; c++) {
     const vertex_case *k = &vertices[c];
@@ -76,7 +71,6 @@ START_TEST(refutes_vertices) {
   ck_assert_int_eq(dlsi_refute_vertex(2, below, 0.25, y), 1);
   ck_assert(y[0] == -1 && y[1] == -0.25);
 }
-END_TEST
 
 typedef struct spread_case {
   int n, dimension;
@@ -100,7 +94,7 @@ static const spread_case spreads[] = {
 };
 enum { spread_count = sizeof spreads / sizeof *spreads };
 
-START_TEST(spreads_of_polyhedra) {
+TEST_EACH(spreads_of_polyhedra, 0, spread_count) {
   const spread_case *k = &spreads[_i];
   double a[2 * rows_most], low[3] = {7, 7, 7}, high[3] = {7, 7, 7};
   for (int l = 0; l < 2; l++)
@@ -112,10 +106,4 @@ START_TEST(spreads_of_polyhedra) {
       ck_assert(high[l] == (l < count && k->dimension > 0 ? k->high[l] : 7));
     }
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("enumerate", NULL, NULL, EACH(finds_vertices, 0, vertex_count), ONCE(refutes_vertices),
-             EACH(spreads_of_polyhedra, 0, spread_count));
 }

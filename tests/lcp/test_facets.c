@@ -1,17 +1,10 @@
 /* test_facets.c: the friction cone with facets as an LCP, and from there to the round cone. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "close.h"
 #include "contact/contact.h"
 #include "delassus.h"
 #include "fclib_file.h"
 #include "front_cases.h"
 #include "lcp/lcp_internal.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 
 enum { NC = 6, MOST = 3 * NC, ROWS = NC * (16 + 2) };
@@ -54,22 +47,18 @@ static dls_status solve_lcp(const dls_contact *p, int facets, double *r) {
 }
 
 static dls_solver_settings lemke_to(double tol) {
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
-  s.method = DLS_LEMKE;
-  s.limits.tol = tol;
+  dls_solver_settings s = settings_with(DLS_LEMKE, tol);
   return s;
 }
 
 static double residual_of(const dls_contact *p, const double *r) {
-  dls_certificate c;
-  ck_assert_int_eq(dls_contact_certify(p, r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(p, r);
   return c.residual;
 }
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
-START_TEST(slip_along_a_corner_is_exact) {
+TEST(slip_along_a_corner_is_exact) {
   /* r_n = 4/2; the disc of radius 1 stops -q_t = 3 e: r_t = e, u_t = -2 e, lambda = 2 */
   const double w[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, friction = 0.5;
   for (int facets = 4; facets <= 16; facets *= 2)
@@ -81,14 +70,12 @@ START_TEST(slip_along_a_corner_is_exact) {
       ck_assert_int_eq(dls_contact_facets_size(&problem, facets), facets + 2);
       ck_assert_int_eq(solve_lcp(&problem, facets, r), DLS_OK);
       ck_assert_double_eq_tol(r[0], 2, 4 * DBL_EPSILON);
-      ck_assert_double_eq_tol(r[1], e[0], 8 * DBL_EPSILON);
-      ck_assert_double_eq_tol(r[2], e[1], 8 * DBL_EPSILON);
+      assert_near(r + 1, (double[]){e[0], e[1]}, 2, 8 * DBL_EPSILON);
       ck_assert_double_eq_tol(z[facets + 1], 2, 16 * DBL_EPSILON);
     }
 }
-END_TEST
 
-START_TEST(slip_through_the_middle_of_a_facet) {
+TEST(slip_through_the_middle_of_a_facet) {
   /* W = I, r_n = 2, radius R = mu r_n. The nearest point of the polygon to -q_t, |q_t| = 5, above
    * the middle of a facet is that middle: |r_t| = R cos(pi / facets), along -q_t. Then
    * |F| = R (1 - cos(pi / facets)). */
@@ -103,8 +90,7 @@ START_TEST(slip_through_the_middle_of_a_facet) {
     ck_assert_double_eq_tol(r[0], 2, 1e-14);
     ck_assert_double_eq_tol(r[1], -R * (1 - short_of) * cos(angle), 1e-14);
     ck_assert_double_eq_tol(r[2], -R * (1 - short_of) * sin(angle), 1e-14);
-    dls_certificate c;
-    ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, NULL), DLS_OK);
+    const dls_certificate c = certificate_of(&problem, r);
     const double residual = c.residual_u;
     ck_assert_double_eq_tol(residual, R * short_of / sqrt(29), 1e-15);
     ck_assert(residual < before / (facets == 4 ? 1 : 3.8)); /* as 1 / facets^2 */
@@ -115,17 +101,15 @@ START_TEST(slip_through_the_middle_of_a_facet) {
     s.facets = facets;
     ck_assert_int_eq(dls_solve(&problem, &s, r, u, &info, NULL), DLS_OK);
     ck_assert(info.certificate.residual <= 1e-14 && info.iterations > 0);
-    ck_assert_double_eq_tol(r[1], -R * cos(angle), 1e-13);
-    ck_assert_double_eq_tol(r[2], -R * sin(angle), 1e-13);
+    assert_near(r + 1, (double[]){-R * cos(angle), -R * sin(angle)}, 2, 1e-13);
     ck_assert_double_eq_tol(u[1], (5 - R) * cos(angle), 1e-13);
     s.limits.tol = 1; /* good enough as it is: the polygon's answer, not the round one */
     ck_assert_int_eq(dls_solve(&problem, &s, r, NULL, NULL, NULL), DLS_OK);
     ck_assert(residual_of(&problem, r) <= 1);
   }
 }
-END_TEST
 
-START_TEST(free_stick_and_no_friction) {
+TEST(free_stick_and_no_friction) {
   const double w[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const double apart[3] = {0.5, 1, -2}, held[3] = {-1, 0.1, -0.2};
   const double friction = 1, none = 0;
@@ -137,9 +121,7 @@ START_TEST(free_stick_and_no_friction) {
       ck_assert_double_eq_tol(r[i], 0, 1e-15);
     p.q = held;
     ck_assert_int_eq(solve_lcp(&p, facets, r), DLS_OK);
-    ck_assert_double_eq_tol(r[0], 1, 1e-15);
-    ck_assert_double_eq_tol(r[1], -0.1, 1e-15);
-    ck_assert_double_eq_tol(r[2], 0.2, 1e-15);
+    assert_near(r, (double[]){1, -0.1, 0.2}, 3, 1e-15);
     p.mu = &none;
     ck_assert_int_eq(dls_contact_facets_size(&p, facets), 1);
     ck_assert_int_eq(solve_lcp(&p, facets, r), DLS_OK);
@@ -154,12 +136,11 @@ START_TEST(free_stick_and_no_friction) {
     ck_assert_double_eq_tol(r[2], k ? 0.2 : 0, 1e-15);
   }
 }
-END_TEST
 
 /* W positive definite, friction large: mu > W_nn / W_nt = 5/2 in the first (C12a of the catalogue
  * of failures), where r = (1, -2), u = 0 is the only solution. The others end in a ray from the
  * default covering vector; at the end, two where Newton's method cannot help. */
-START_TEST(four_rows_solve_what_three_cannot) {
+TEST(four_rows_solve_what_three_cannot) {
   static const double w1[4] = {5, 2, 2, 1}, q1[2] = {-1, 0}, mu1[1] = {3}, r1[2] = {1, -2};
   static const double w2[16] = {9, 8, -2, -1, 8, 8, 0, 0, -2, 0, 7, 0, -1, 0, 0, 3};
   static const double q2[4] = {-1, 1, 2, -1}, mu2[2] = {3, 1}, r2[4] = {8, -8.125, 2, 2};
@@ -190,24 +171,20 @@ START_TEST(four_rows_solve_what_three_cannot) {
     ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, NULL), DLS_OK);
   }
 }
-END_TEST
 
 /* Newton's method alone cycles from r = 0: only r = (5, 4, 0), u = 0. */
-START_TEST(newton_cycle_in_3d) {
+TEST(newton_cycle_in_3d) {
   const double w[9] = {1, -1, 0, -1, 2, 0, 0, 0, 2}, p[3] = {-1, -3, 0}, friction = 2;
   const dls_contact problem = one_candidate(3, w, p, &friction);
   const dls_solver_settings s = lemke_to(1e-13);
   double r[3];
   ck_assert_int_eq(dls_solve(&problem, &s, r, NULL, NULL, NULL), DLS_OK);
-  ck_assert_double_eq_tol(r[0], 5, 1e-12);
-  ck_assert_double_eq_tol(r[1], 4, 1e-12);
-  ck_assert_double_eq_tol(r[2], 0, 1e-12);
+  assert_near(r, (double[]){5, 4, 0}, 3, 1e-12);
 }
-END_TEST
 
 /* No r has u_n >= 0. A ray of the LCP with facets proves nothing of the round cone; the linear
  * problem does. */
-START_TEST(no_solution_is_claimed) {
+TEST(no_solution_is_claimed) {
   const double w[9] = {0}, p[3] = {-1, 0, 0}, friction = 0.5;
   for (int d = 2; d <= 3; d++) {
     const dls_contact problem = one_candidate(d, w, p, &friction);
@@ -219,7 +196,6 @@ START_TEST(no_solution_is_claimed) {
     ck_assert(info.certificate.residual == residual_of(&problem, r));
   }
 }
-END_TEST
 
 /* ---- M and q, entry by entry ----------------------------------------------------------------- */
 
@@ -272,7 +248,7 @@ static void check_form(const dls_contact *p, int facets, const double *s) {
   free(A);
 }
 
-START_TEST(rows_say_what_they_should) {
+TEST(rows_say_what_they_should) {
   const double s[NC] = {1, 2, 0.3, 5, 0.7, 1.5};
   for (int d = 2; d <= 3; d++)
     for (int facets = d == 2 ? 2 : 4; facets <= (d == 2 ? 2 : 12); facets += 2) {
@@ -299,25 +275,22 @@ START_TEST(rows_say_what_they_should) {
       check_form(&p, facets, s);
     }
 }
-END_TEST
 
-START_TEST(facets_two_and_three_rows_agree_in_2d) {
+TEST(facets_two_and_three_rows_agree_in_2d) {
   for (unsigned seed = 1; seed <= 100; seed++) {
     const dls_contact p = random_problem(2, NC, 0.4, seed);
     double three[MOST], four[MOST];
     ck_assert_int_eq(solve_lcp(&p, 0, three), DLS_OK);
     ck_assert_int_eq(solve_lcp(&p, 2, four), DLS_OK);
-    for (int i = 0; i < 2 * NC; i++)
-      ck_assert_double_eq_tol(three[i], four[i], 1e-12); /* cond(W) < 30 */
+    assert_near(three, four, 2 * NC, 1e-12); /* cond(W) < 30 */
   }
 }
-END_TEST
 
 /* ---- the round cone -------------------------------------------------------------------------- */
 
 /* The sum over problems: each single one may be lucky with its angles. 1 / facets^2 is the law as
  * long as the polygon does not change which candidates slip. */
-START_TEST(more_facets_smaller_error) {
+TEST(more_facets_smaller_error) {
   double before = 0;
   for (int facets = 4; facets <= 16; facets *= 2) {
     double sum = 0;
@@ -333,9 +306,8 @@ START_TEST(more_facets_smaller_error) {
     before = sum;
   }
 }
-END_TEST
 
-START_TEST(random_problems_to_rounding) {
+TEST(random_problems_to_rounding) {
   for (unsigned seed = 1; seed <= 100; seed++) {
     const dls_contact p = random_problem(3, NC, seed % 2 ? 0.3 : 1, seed);
     const dls_solver_settings s = lemke_to(1e-12);
@@ -355,7 +327,6 @@ START_TEST(random_problems_to_rounding) {
     ck_assert_mem_eq(r, twice, (size_t)(3 * NC) * sizeof *r);
   }
 }
-END_TEST
 
 /* Steps from r to 1e-12, without sweeps. */
 static int newton_steps(const dls_contact *p, double *r) {
@@ -374,7 +345,7 @@ static int newton_steps(const dls_contact *p, double *r) {
 
 /* Newton's method squares the error: from the polygon's 1e-2 to 1e-12 within some steps. A wrong
  * slope would take tens, or never get there. */
-START_TEST(few_newton_steps) {
+TEST(few_newton_steps) {
   int most = 0, sum = 0;
   for (unsigned seed = 1; seed <= 200; seed++) {
     const dls_contact p = random_problem(3, NC, 0.6, seed);
@@ -388,10 +359,9 @@ START_TEST(few_newton_steps) {
   ck_assert_int_le(most, 8);
   ck_assert_int_le(sum, 200 * 4);
 }
-END_TEST
 
 /* W of rank 1 and free candidates: J is singular but for eps. Any r_n1 + r_n2 = 1 will do. */
-START_TEST(newton_on_a_singular_matrix) {
+TEST(newton_on_a_singular_matrix) {
   const double p_q[6] = {-1, 0, 0, -1, 0, 0}, friction[2] = {0.5, 0.5};
   double V[36] = {0}, r[6] = {0.45, 0.01, 0, 0.5, 0, -0.02};
   V[0] = V[3] = V[18] = V[21] = 1;
@@ -400,10 +370,9 @@ START_TEST(newton_on_a_singular_matrix) {
   ck_assert(residual_of(&p, r) <= 1e-12);
   ck_assert_double_eq_tol(r[0] + r[3], 1, 1e-11);
 }
-END_TEST
 
 /* Where Newton's method cycles, sweeps and more steps get there (seed 315 in 3D). */
-START_TEST(large_friction) {
+TEST(large_friction) {
   const dls_solver_settings s = lemke_to(1e-12);
   double r[MOST];
   for (unsigned seed = 1; seed <= 600; seed++) {
@@ -419,10 +388,9 @@ START_TEST(large_friction) {
     ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, NULL), DLS_OK);
   }
 }
-END_TEST
 
 /* The polygon turns with the tangents, the answer must not. */
-START_TEST(rotated_tangents_same_answer) {
+TEST(rotated_tangents_same_answer) {
   for (unsigned seed = 1; seed <= 20; seed++) {
     dls_contact p = random_problem(3, NC, 0.3, seed);
     const dls_solver_settings s = lemke_to(1e-13);
@@ -462,9 +430,8 @@ START_TEST(rotated_tangents_same_answer) {
     }
   }
 }
-END_TEST
 
-START_TEST(units_do_not_change_the_path) {
+TEST(units_do_not_change_the_path) {
   const double factor[] = {1e-9, 1e-3, 1e6, 1e9};
   for (unsigned seed = 1; seed <= 5; seed++) {
     dls_contact p = random_problem(3, NC, 0.6, seed);
@@ -484,9 +451,8 @@ START_TEST(units_do_not_change_the_path) {
     }
   }
 }
-END_TEST
 
-START_TEST(files_in_3d) {
+TEST(files_in_3d) {
   const char *name[] = {"FC3D_Example1", "Confeti-ex13-4contact-Fc3D-SBM"};
   for (int k = 0; k < 2; k++) {
     dls_fclib *file = read_fclib_file(name[k]);
@@ -505,9 +471,8 @@ START_TEST(files_in_3d) {
     dls_fclib_destroy(file);
   }
 }
-END_TEST
 
-START_TEST(limit_and_cancellation_are_not_polished_away) {
+TEST(limit_and_cancellation_are_not_polished_away) {
   const dls_contact p = random_problem(3, NC, 0.6, 5);
   dls_solver_settings s = lemke_to(1e-12);
   double r[MOST];
@@ -517,15 +482,13 @@ START_TEST(limit_and_cancellation_are_not_polished_away) {
   ck_assert_int_eq(info.iterations, 2 + 3); /* two rounds of the crash start, three pivots */
   ck_assert(info.certificate.residual == residual_of(&p, r));
 }
-END_TEST
 
 /* ---- memory and bad input -------------------------------------------------------------------- */
 
-START_TEST(solver_is_reused_and_allocates_nothing) {
+TEST(solver_is_reused_and_allocates_nothing) {
   const dls_solver_settings s = lemke_to(1e-12);
-  dls_solver *solver;
   double first[MOST], r[MOST], u[MOST];
-  ck_assert_int_eq(dls_solver_create(&solver, 3, NC, &s, NULL), DLS_OK);
+  dls_solver *solver = solver_of(3, NC, &s);
   for (int round = 0; round < 2; round++)
     for (unsigned seed = 1; seed <= 6; seed++) {
       const dls_contact p = random_problem(3, seed == 6 ? 2 : NC, seed == 5 ? 3 : 0.5, seed);
@@ -539,9 +502,8 @@ START_TEST(solver_is_reused_and_allocates_nothing) {
     }
   dls_solver_destroy(solver);
 }
-END_TEST
 
-START_TEST(every_failing_malloc_unwinds) {
+TEST(every_failing_malloc_unwinds) {
   for (int d = 2; d <= 3; d++) {
     const dls_contact p = random_problem(d, NC, 0.5, 2);
     const dls_solver_settings s = lemke_to(1e-12);
@@ -552,9 +514,8 @@ START_TEST(every_failing_malloc_unwinds) {
     ck_assert_int_eq(mallocs_failed, 6); /* arrays, Lemke's, sweeps, 2 of steps, prediction */
   }
 }
-END_TEST
 
-START_TEST(sizes) {
+TEST(sizes) {
   dls_contact p = random_problem(3, NC, 0.5, 1); /* one of six without friction */
   ck_assert_int_eq(dls_contact_facets_size(&p, 4), 5 * 6 + 1);
   ck_assert_int_eq(dls_contact_facets_size(&p, 64), 5 * 66 + 1);
@@ -568,9 +529,8 @@ START_TEST(sizes) {
   ck_assert_int_eq(dls_contact_facets_size(&p, 2), 5 * 4 + 1);
   ck_assert_int_eq(dls_contact_facets_size(&p, 8), 0);
 }
-END_TEST
 
-START_TEST(bad_input_is_named) {
+TEST(bad_input_is_named) {
   dls_contact good = random_problem(3, 2, 0.5, 1), p = good;
   const int n = dls_contact_facets_size(&p, 4), ld = n;
   double s[2] = {1, 1}, r[6], *const A = M;
@@ -633,25 +593,8 @@ START_TEST(bad_input_is_named) {
   ck_assert_str_eq(e.argument, "z");
   ck_assert_int_eq(e.index, 11);
   ck_assert(A[0] == 9);
-  for (int i = 0; i < n; i++)
-    ck_assert(b[i] == 9);
-  for (int i = 0; i < 6; i++)
-    ck_assert(r[i] == 9);
+  assert_all(b, n, 9);
+  assert_all(r, 6, 9);
 #undef TO
 #undef FROM
-}
-END_TEST
-
-int main(void) {
-  return RUN("facets", NULL, NULL, ONCE(slip_along_a_corner_is_exact),
-             ONCE(slip_through_the_middle_of_a_facet), ONCE(free_stick_and_no_friction),
-             ONCE(four_rows_solve_what_three_cannot), ONCE(newton_cycle_in_3d),
-             ONCE(no_solution_is_claimed), ONCE(rows_say_what_they_should),
-             ONCE(facets_two_and_three_rows_agree_in_2d), ONCE(more_facets_smaller_error),
-             ONCE(random_problems_to_rounding), ONCE(few_newton_steps),
-             ONCE(newton_on_a_singular_matrix), ONCE(large_friction),
-             ONCE(rotated_tangents_same_answer), ONCE(units_do_not_change_the_path),
-             ONCE(files_in_3d), ONCE(limit_and_cancellation_are_not_polished_away),
-             ONCE(solver_is_reused_and_allocates_nothing), ONCE(every_failing_malloc_unwinds),
-             ONCE(sizes), ONCE(bad_input_is_named));
 }

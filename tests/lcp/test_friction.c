@@ -1,9 +1,4 @@
 /* test_friction.c: contact problems as LCPs of any form, in small integers, free of rounding. */
-#include <check.h>
-#include <limits.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "lcp/lcp_internal.h"
 #include "run.h"
@@ -58,7 +53,7 @@ static int form_directly(const dls_contact *p, const double *W, const dlsi_form 
 /* d = 1, 2, 3; candidates with and without friction, the last one too; W dense and by blocks, two
  * of them in one place; with scales and without; a column longer than it has to be;
  * directions beyond those of the form, which nobody may read. */
-START_TEST(any_form) {
+TEST_EACH(any_form, 0, 16) {
   static const dlsi_form forms[4] = {
       {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {9, 9, 9}, {9, 9, 9}}},
       {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {0, 1, 0}, {9, 9, 9}}},
@@ -115,10 +110,9 @@ START_TEST(any_form) {
   }
   ck_assert(r[m] == 77);
 }
-END_TEST
 
 /* A size of INT_MAX just fits: 1 + 2 (D + 2), and one candidate more does not. */
-START_TEST(largest_size) {
+TEST(largest_size) {
   const double mu[4] = {0, 1, 1, 0};
   const int directions = INT_MAX / 2 - 2;
   dls_contact problem = {.d = 3, .nc = 3, .mu = mu};
@@ -126,11 +120,10 @@ START_TEST(largest_size) {
   problem.nc = 4;
   ck_assert_int_eq(dlsi_form_size(&problem, directions), 0);
 }
-END_TEST
 
 /* Sticks, slips to either side, free to either side and at rest; without friction loaded and free.
  * z = (r_n, phi_2, lambda_2) > 0. */
-START_TEST(start_by_states) {
+TEST(start_by_states) {
   const double r[16] = {1, .5, 1, -1, 1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0};
   const double u[16] = {0, 0, 0, 3, 0, -3, 1, -2, 1, 2, 1, 0, 0, -5, 1, -5};
   const double mu[8] = {1, 1, 1, 1, 1, 1, 0, 0}, w[8] = {1, 2, 1, 1, 1, 1, 1, 1};
@@ -144,10 +137,9 @@ START_TEST(start_by_states) {
     ck_assert_msg(z[k] == expected[k], "z[%d] = %g", k, z[k]);
   ck_assert(z[20] == 77);
 }
-END_TEST
 
 /* What is wrong is told by its name, index and number, and nothing is written. */
-START_TEST(refusals_of_forms) {
+TEST(refusals_of_forms) {
   static const dlsi_form form = {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {0, 1, 0}}};
   const double W[16] = {0}, q[4] = {0}, mu[2] = {1, 0}, s[2] = {1, 0}, z[4] = {0, 1, NAN, 2};
   dls_contact problem = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
@@ -169,10 +161,4 @@ START_TEST(refusals_of_forms) {
   ck_assert_int_eq(dlsi_form_matrix(&problem, &form, NULL, M, 4, to, &e), DLS_E_SIZE);
   ck_assert(strcmp(e.argument, "nc") == 0 && e.index == -1 && e.value == 0);
   ck_assert(M[0] == 7 && to[0] == 7);
-}
-END_TEST
-
-int main(void) {
-  return RUN("friction", NULL, NULL, EACH(any_form, 0, 16), ONCE(largest_size),
-             ONCE(start_by_states), ONCE(refusals_of_forms));
 }

@@ -1,16 +1,8 @@
 /* test_lcp.c: the LCP, its certificate, the checks of proofs, and the 2D contact problem as an
  * LCP. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "../lcp/lcp_internal.h"
 #include "delassus/pivoting.h"
 #include "lcp_of.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 static void check_error(const dls_error *error, dls_status status, const char *argument,
@@ -22,7 +14,7 @@ static void check_error(const dls_error *error, dls_status status, const char *a
 
 /* ---- certificate ----------------------------------------------------------------------------- */
 
-START_TEST(certificate_by_hand) {
+TEST(certificate_by_hand) {
   /* rows 0 and 1 have weights 2 and (zero diagonal) 3, row 2 is zero: 1 */
   const double M[9] = {2, -3, 0, 1, 0, 0, 0, 1, 0}, q[3] = {-4, 3, 12}, z[3] = {1, 2, -1};
   const dls_lcp lcp = lcp_of(3, M, q);
@@ -31,9 +23,7 @@ START_TEST(certificate_by_hand) {
   dls_error error;
   ck_assert_int_eq(dls_lcp_certify(&lcp, z, y, &c, &error), DLS_OK);
   /* y = (2 + 2 - 4, -3 - 1 + 3, 12); F = min(2 1, 0), min(3 2, -1), min(-1, 12) */
-  ck_assert_double_eq(y[0], 0);
-  ck_assert_double_eq(y[1], -1);
-  ck_assert_double_eq(y[2], 12);
+  assert_near(y, (double[]){0, -1, 12}, 3, 0);
   ck_assert_double_eq_tol(c.residual, sqrt(2.0) / 13, 1e-15);
   ck_assert_double_eq_tol(c.floor, 0x1p-52 * sqrt(16.0 + 16) / 13, 1e-30);
   ck_assert_double_eq(c.negative_z, 1);
@@ -41,9 +31,8 @@ START_TEST(certificate_by_hand) {
   ck_assert_double_eq(c.complementarity, 12);
   ck_assert(c.worst == 1 || c.worst == 2);
 }
-END_TEST
 
-START_TEST(certificate_has_no_unit) {
+TEST(certificate_has_no_unit) {
   const double M[4] = {2, 1, -1, 3}, q[2] = {-4, 1}, z[2] = {1.5, 0.25};
   const double factors[] = {1e-9, 1e-3, 1, 1e9, 1e150};
   dls_lcp lcp = lcp_of(2, M, q);
@@ -65,9 +54,8 @@ START_TEST(certificate_has_no_unit) {
       ck_assert_int_eq(c.worst, first.worst);
     }
 }
-END_TEST
 
-START_TEST(certificate_of_q_zero_and_of_overflow) {
+TEST(certificate_of_q_zero_and_of_overflow) {
   const double M[1] = {1}, none[1] = {0}, z[1] = {3}, big[1] = {1e300};
   dls_lcp lcp = lcp_of(1, M, none);
   dls_lcp_certificate c;
@@ -90,9 +78,8 @@ START_TEST(certificate_of_q_zero_and_of_overflow) {
   ck_assert_int_eq(dls_lcp_certify(&lcp, x, NULL, &c, NULL), DLS_OK);
   ck_assert_double_eq(c.residual, INFINITY);
 }
-END_TEST
 
-START_TEST(holds) {
+TEST(holds) {
   dls_lcp_certificate c = {.residual = 1e-9, .floor = 1e-16};
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-9), 1);
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 9e-10), 0);
@@ -102,9 +89,8 @@ START_TEST(holds) {
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1), 0);
   ck_assert_int_eq(dls_lcp_certificate_holds(NULL, 1), 0);
 }
-END_TEST
 
-START_TEST(bad_lcp) {
+TEST(bad_lcp) {
   const double nan = NAN, inf = INFINITY;
   double M[6] = {1, 2, 7, 3, 4, 7}, q[2] = {-1, -2}, z[2] = {0, 0}, y[2] = {5, 6};
   dls_lcp_certificate c = {.residual = 77};
@@ -152,14 +138,12 @@ START_TEST(bad_lcp) {
   ck_assert_int_eq(dls_lcp_certify(&good, z, y, &c, &e), DLS_E_MEMORY);
   malloc_fails_at(0);
   ck_assert_double_eq(c.residual, 77);
-  ck_assert_double_eq(y[0], 5);
-  ck_assert_double_eq(y[1], 6);
+  assert_near(y, (double[]){5, 6}, 2, 0);
 }
-END_TEST
 
 /* ---- proofs ---------------------------------------------------------------------------------- */
 
-START_TEST(ray_by_hand) {
+TEST(ray_by_hand) {
   /* M = (0 1; -1 0), q = (-1, -2), d = (1, 1). z0 = 2: y = (1, 0); z_1 enters: y = (1 + t, 0), z0
    * stays at 2: dy = (1, 0), dz = (0, 1). */
   const double M[4] = {0, -1, 1, 0}, q[2] = {-1, -2}, d[2] = {1, 1}, z[2] = {0, 0}, dz[2] = {0, 1};
@@ -191,9 +175,8 @@ START_TEST(ray_by_hand) {
   ck_assert_int_eq(dls_lcp_check_ray(&lcp, d, z, 0, dz, 0, &v, NULL), DLS_OK); /* z0 = 0 */
   ck_assert_double_eq(v, INFINITY);
 }
-END_TEST
 
-START_TEST(farkas_by_hand) {
+TEST(farkas_by_hand) {
   const double M[4] = {1, -2, 1, -1}, q[2] = {-1, 1}; /* v = (2, 1): M^T v = (0, 1), q^T v = -1 */
   const double v[2] = {2, 1}, w[2] = {1, 1}, negative[2] = {-1, 1}, plus[2] = {0, 1};
   dls_lcp lcp = lcp_of(2, M, q);
@@ -208,9 +191,8 @@ START_TEST(farkas_by_hand) {
   ck_assert_int_eq(dls_lcp_check_farkas(&lcp, plus, &violation, NULL), DLS_OK);
   ck_assert_double_eq(violation, INFINITY);
 }
-END_TEST
 
-START_TEST(bad_proofs) {
+TEST(bad_proofs) {
   const double M[4] = {0, -1, 1, 0}, q[2] = {-1, -2};
   double d[2] = {1, 1}, z[2] = {0, 0}, dz[2] = {0, 1}, v = 9;
   const dls_lcp lcp = lcp_of(2, M, q);
@@ -257,7 +239,6 @@ START_TEST(bad_proofs) {
   check_error(&e, DLS_E_ARGUMENT, "violation", -1);
   ck_assert_double_eq(v, 9);
 }
-END_TEST
 
 /* ---- contact --------------------------------------------------------------------------------- */
 
@@ -272,7 +253,7 @@ static void make_W(double *W) {
       W[i + 6 * j] = i == j ? 4 : (double)((3 * i + 5 * j) % 7 - 3) / 8;
 }
 
-START_TEST(states_by_hand) {
+TEST(states_by_hand) {
   /* the middle candidate has mu = 0: its row is normal only */
   const double mu[3] = {0.5, 0, 2};
   double W[36], r[6], u[6], q[6], z[7], y[7], M[7 * 8], qz[7], back[6];
@@ -315,16 +296,14 @@ START_TEST(states_by_hand) {
           ck_assert_double_eq(z[i] * y[i], 0);
         }
         ck_assert_int_eq(dls_contact_from_lcp(&problem, NULL, z, back, &error), DLS_OK);
-        for (int i = 0; i < 6; i++)
-          ck_assert_double_eq(back[i], r[i]);
+        assert_near(back, r, 6, 0);
         dls_certificate certificate; /* and the contact laws agree */
         ck_assert_int_eq(dls_contact_certify(&problem, back, NULL, &certificate, &error), DLS_OK);
         ck_assert_double_le(certificate.residual, 4e-16);
       }
 }
-END_TEST
 
-START_TEST(scaled_and_by_blocks) {
+TEST(scaled_and_by_blocks) {
   const double mu[3] = {0.5, 0, 2}, s[3] = {2, 0.25, 8}, q[6] = {1, 2, 3, 4, 5, 6};
   const int first[3] = {0, 3, 4}, rows[3] = {3, 1, 3};
   double W[36], x[9 * 4 + 4], M[49], M1[49], M2[49], q1[7], q2[7], r1[6], r2[6];
@@ -340,10 +319,8 @@ START_TEST(scaled_and_by_blocks) {
   ck_assert_int_eq(dls_contact_to_lcp(&dense, NULL, M, 7, q1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_to_lcp(&dense, s, M1, 7, q1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_to_lcp(&blocks, s, M2, 7, q2, NULL), DLS_OK);
-  for (int k = 0; k < 49; k++)
-    ck_assert_double_eq(M1[k], M2[k]);
-  for (int k = 0; k < 7; k++)
-    ck_assert_double_eq(q1[k], q2[k]);
+  assert_near(M1, M2, 49, 0);
+  assert_near(q1, q2, 7, 0);
   /* the W part is s_a s_b times the unscaled one, the rest is the same */
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++)
@@ -352,19 +329,15 @@ START_TEST(scaled_and_by_blocks) {
           const int at = first[a] + i + 7 * (first[b] + j);
           ck_assert_double_eq(M1[at], M[at] * (i < 2 && j < 2 ? s[a] * s[b] : 1));
         }
-  ck_assert_double_eq(q1[0], 2 * q[0]);
-  ck_assert_double_eq(q1[1], 2 * q[1]);
-  ck_assert_double_eq(q1[2], 0);
-  ck_assert_double_eq(q1[3], 0.25 * q[2]);
+  assert_near(q1, (double[]){2 * q[0], 2 * q[1], 0, 0.25 * q[2]}, 4, 0);
   const double z[7] = {1, 2, 3, 4, 5, 6, 7};
   ck_assert_int_eq(dls_contact_from_lcp(&dense, NULL, z, r1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_from_lcp(&blocks, s, z, r2, NULL), DLS_OK);
   for (int i = 0; i < 6; i++)
     ck_assert_double_eq(r2[i], s[i / 2] * r1[i]);
 }
-END_TEST
 
-START_TEST(bad_contact) {
+TEST(bad_contact) {
   double W[36], q[6] = {0}, mu[3] = {0.5, 0, 2}, s[3] = {1, 1, 1}, z[7] = {0}, M[49], qz[7], r[6];
   dls_error e;
   make_W(W);
@@ -422,12 +395,10 @@ START_TEST(bad_contact) {
     ck_assert_double_eq(qz[k], 3);
     ck_assert_double_eq(M[7 * k], 3);
   }
-  for (int k = 0; k < 6; k++)
-    ck_assert_double_eq(r[k], 3);
+  assert_all(r, 6, 3);
 }
-END_TEST
 
-START_TEST(a_high_floor_excuses_nothing) {
+TEST(a_high_floor_excuses_nothing) {
   dls_lcp_certificate c = {.residual = 1e-6, .floor = 1e-3};
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-8), 0);
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-5), 0);
@@ -445,12 +416,4 @@ START_TEST(a_high_floor_excuses_nothing) {
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 1);
   c.floor = NAN;
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("lcp", NULL, NULL, ONCE(certificate_by_hand), ONCE(certificate_has_no_unit),
-             ONCE(certificate_of_q_zero_and_of_overflow), ONCE(holds), ONCE(bad_lcp),
-             ONCE(ray_by_hand), ONCE(farkas_by_hand), ONCE(bad_proofs), ONCE(states_by_hand),
-             ONCE(scaled_and_by_blocks), ONCE(bad_contact), ONCE(a_high_floor_excuses_nothing));
 }

@@ -1,17 +1,7 @@
 /* test_pivoting.c: block principal pivoting and the enumeration of all solutions. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "close.h"
 #include "delassus/pivoting.h"
-#include "errors.h"
 #include "lcp_of.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 /* ---- problems -------------------------------------------------------------------------------- */
@@ -60,7 +50,7 @@ solve_principal(const dls_lcp *lcp, const dls_principal_settings *settings, doub
 
 /* ---- block principal pivoting ---------------------------------------------------------------- */
 
-START_TEST(solves_by_hand) {
+TEST(solves_by_hand) {
   const double M[4] = {2, 1, 1, 2};
   const struct {
     double q[2], z[2];
@@ -91,9 +81,8 @@ START_TEST(solves_by_hand) {
   ck_assert_int_eq(solve_principal(&lcp, NULL, z, NULL).status, DLS_OK);
   ck_assert(z[0] == 1 && z[1] == 0);
 }
-END_TEST
 
-START_TEST(agrees_with_enumeration) {
+TEST(agrees_with_enumeration) {
   enum { n = 8 };
   for (int trial = 0; trial < 200; trial++) {
     double M[n * n], q[n], z[n], list[n * 4];
@@ -103,13 +92,11 @@ START_TEST(agrees_with_enumeration) {
     ck_assert_int_eq(found.solutions, 1);
     ck_assert_int_eq(found.singular_bases, 0);
     ck_assert_int_eq(solve_principal(&lcp, NULL, z, NULL).status, DLS_OK);
-    for (int i = 0; i < n; i++)
-      ck_assert_double_eq_tol(z[i], list[i], 1e-12);
+    assert_near(z, list, n, 1e-12);
   }
 }
-END_TEST
 
-START_TEST(needs_few_factorisations) {
+TEST(needs_few_factorisations) {
   enum { n = 150 };
   static double M[n * n], q[n], z[n], y[n];
   for (int trial = 0; trial < 6; trial++) {
@@ -131,10 +118,9 @@ START_TEST(needs_few_factorisations) {
     ck_assert_double_le(residual, 1e-13);
   }
 }
-END_TEST
 
 /* q such that every fourth z_i = y_i = 0: rounding must not send those to and fro */
-START_TEST(degenerate_answers) {
+TEST(degenerate_answers) {
   enum { n = 60 };
   static double M[n * n], q[n], z[n], exact[n];
   for (int trial = 0; trial < 40; trial++) {
@@ -151,13 +137,11 @@ START_TEST(degenerate_answers) {
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_eq(info.single_exchanges, 0);
     ck_assert_int_le(info.factorizations, 10);
-    for (int i = 0; i < n; i++)
-      ck_assert_double_eq_tol(z[i], exact[i], 1e-12);
+    assert_near(z, exact, n, 1e-12);
   }
 }
-END_TEST
 
-START_TEST(single_exchanges_end_where_block_exchanges_cycle) {
+TEST(single_exchanges_end_where_block_exchanges_cycle) {
   const double unsymmetric[9] = {1, 0, 3, 3, 2, 1, -3, -1, 1}, p[3] = {1, 2, -4};
   const double symmetric[9] = {6, -3, 5, -3, 2, -2, 5, -2, 5}, q[3] = {4, -3, 1};
   const double answer[2][3] = {{1.1, 0, 0.7}, {0, 13.0 / 6, 2.0 / 3}};
@@ -182,9 +166,8 @@ START_TEST(single_exchanges_end_where_block_exchanges_cycle) {
       ck_assert_double_eq_tol(z[i], answer[k][i], 1e-14);
   }
 }
-END_TEST
 
-START_TEST(murty_family) {
+TEST(murty_family) {
   double M[100], q[10], z[10];
   for (int n = 2; n <= 10; n++) {
     murty(n, M, q);
@@ -201,9 +184,8 @@ START_TEST(murty_family) {
     ck_assert(z[n - 1] == ldexp(1, n) && z[0] == 0);
   }
 }
-END_TEST
 
-START_TEST(warm_start_gives_the_cold_answer) {
+TEST(warm_start_gives_the_cold_answer) {
   enum { n = 40 };
   double M[n * n], q[n], cold[n], z[n];
   const dls_lcp lcp = random_lcp(n, 0, M, q);
@@ -221,12 +203,10 @@ START_TEST(warm_start_gives_the_cold_answer) {
     z[i] = centred();
   info = solve_principal(&lcp, &settings, z, NULL);
   ck_assert_int_eq(info.status, DLS_OK);
-  for (int i = 0; i < n; i++)
-    ck_assert_double_eq_tol(z[i], cold[i], 1e-12);
+  assert_near(z, cold, n, 1e-12);
 }
-END_TEST
 
-START_TEST(units_do_not_matter) {
+TEST(units_do_not_matter) {
   enum { n = 30 };
   static double M[n * n], q[n], z[n], N[n * n], p[n], x[n];
   for (int k = 0; k < 2; k++) {
@@ -249,9 +229,8 @@ START_TEST(units_do_not_matter) {
       }
   }
 }
-END_TEST
 
-START_TEST(same_bits_twice) {
+TEST(same_bits_twice) {
   enum { n = 50 };
   static double M[n * n], q[n], z[n], x[n];
   const dls_lcp lcp = random_lcp(n, 0.1, M, q);
@@ -269,9 +248,8 @@ START_TEST(same_bits_twice) {
   ck_assert_mem_eq(z, x, sizeof z);
   dls_principal_destroy(w);
 }
-END_TEST
 
-START_TEST(leading_dimension_and_indices_outside) {
+TEST(leading_dimension_and_indices_outside) {
   double M[2 * 5] = {2, 1, NAN, NAN, NAN, 1, 2, NAN, NAN, NAN}, q[2] = {-5, -6}, z[2], list[4];
   const dls_lcp lcp = {.n = 2, .M = {2, 2, 5, M}, .q = q};
   dls_enumeration found;
@@ -283,9 +261,8 @@ START_TEST(leading_dimension_and_indices_outside) {
     ck_assert_double_eq_tol(list[i], (4.0 + 3 * i) / 3, 1e-15);
   }
 }
-END_TEST
 
-START_TEST(matrices_that_are_no_p_matrices) {
+TEST(matrices_that_are_no_p_matrices) {
   const double ones[4] = {1, 1, 1, 1}, minus[2] = {-1, -1};
   double z[2], y[2];
   dls_lcp lcp = lcp_of(2, ones, minus);
@@ -305,10 +282,8 @@ START_TEST(matrices_that_are_no_p_matrices) {
   lcp = lcp_of(2, indefinite, q);
   info = solve_principal(&lcp, NULL, z, NULL);
   ck_assert_int_eq(info.status, DLS_OK);
-  ck_assert_double_eq_tol(z[0], 1, 1e-15);
-  ck_assert_double_eq_tol(z[1], 1, 1e-15);
+  assert_near(z, (double[]){1, 1}, 2, 1e-15);
 }
-END_TEST
 
 static int stop_at(void *data, const dls_progress *p) {
   int *calls = data;
@@ -322,7 +297,7 @@ static int stop_at(void *data, const dls_progress *p) {
 
 /* M = 4 I but for one entry, wherever it stands, and q = -M (1, 1, 1) end after a first basis of
  * all. M = I counts what is exchanged and factorised. */
-START_TEST(counts_and_one_entry) {
+TEST(counts_and_one_entry) {
   for (int j = 0; j < 3; j++)
     for (int i = 0; i < 3; i++) {
       double M[9] = {4, 0, 0, 0, 4, 0, 0, 0, 4}, q[3] = {-4, -4, -4}, z[3], y[3];
@@ -351,12 +326,11 @@ START_TEST(counts_and_one_entry) {
       ck_assert(z[3] == 7 && y[3] == 7);
     }
 }
-END_TEST
 
 /* The basis {0} of M = (1 0; .3 1), q = (-1, -.3 - eps / 4) has y_1 = -eps / 4, which is rounding
  * beside |q_1| + .3: no step from there. From no basis M = (1 -10; 0 1), q = (1, -1) goes to {1},
  * whose y_0 = -9 is worse than y_1 = -1 of z = 0: at a limit of one step that is the answer. */
-START_TEST(rounding_and_the_best_basis) {
+TEST(rounding_and_the_best_basis) {
   static const double M[4] = {1, .3, 0, 1}, N[4] = {1, 0, -10, 1}, p[2] = {1, -1};
   const double q[2] = {-1, -nextafter(.3, 1)};
   const dls_lcp lcp = lcp_of(2, M, q), worse = lcp_of(2, N, p);
@@ -380,7 +354,6 @@ START_TEST(rounding_and_the_best_basis) {
     ck_assert(z[0] == (limit < 2 ? 0 : 9) && z[1] == (limit < 2 ? 0 : 1));
   }
 }
-END_TEST
 
 static int keep_residual(void *data, const dls_progress *progress) {
   double *residual = data;
@@ -389,7 +362,7 @@ static int keep_residual(void *data, const dls_progress *progress) {
 }
 
 /* M = I, q = (-1, 1/2): of no basis the negative part alone counts, 1 / |q|. */
-START_TEST(residual_of_negative_parts) {
+TEST(residual_of_negative_parts) {
   static const double M[4] = {1, 0, 0, 1}, q[2] = {-1, 0.5};
   const dls_lcp lcp = lcp_of(2, M, q);
   dls_principal_settings settings;
@@ -401,9 +374,8 @@ START_TEST(residual_of_negative_parts) {
   ck_assert_double_eq_tol(residual, sqrt(0.8), 1e-15);
   ck_assert(z[0] == 1 && z[1] == 0);
 }
-END_TEST
 
-START_TEST(progress_can_cancel) {
+TEST(progress_can_cancel) {
   double M[64], q[8], z[8];
   murty(8, M, q);
   const dls_lcp lcp = lcp_of(8, M, q);
@@ -421,7 +393,6 @@ START_TEST(progress_can_cancel) {
   ck_assert_int_eq(dls_lcp_certify(&lcp, z, NULL, &c, NULL), DLS_OK);
   ck_assert(c.residual == info.certificate.residual);
 }
-END_TEST
 
 /* y = q, then z = (7, -2) / 3 with weights 2: |negative parts| / |q| is told, and z with it. */
 static int watch_negative_parts(void *data, const dls_progress *progress) {
@@ -437,7 +408,7 @@ static int watch_negative_parts(void *data, const dls_progress *progress) {
   return 0;
 }
 
-START_TEST(residual_of_a_basis) {
+TEST(residual_of_a_basis) {
   const double M[4] = {2, 1, 1, 2}, q[2] = {-4, -1};
   const dls_lcp lcp = lcp_of(2, M, q);
   int calls = 0;
@@ -456,11 +427,10 @@ START_TEST(residual_of_a_basis) {
   ck_assert(calls == 2 && z[1] == 0);
   ck_assert_double_eq_tol(z[0], 7. / 3, 1e-15);
 }
-END_TEST
 
 /* ---- enumeration ----------------------------------------------------------------------------- */
 
-START_TEST(enumerates_by_hand) {
+TEST(enumerates_by_hand) {
   double z[64];
   dls_enumeration found;
   const struct {
@@ -491,7 +461,6 @@ START_TEST(enumerates_by_hand) {
     ck_assert_double_eq_tol(z[3 * k + 2], 2, 1e-15);
   }
 }
-END_TEST
 
 /* M = -I, q = 1: every 0-1 vector is a solution. M: n x n, 0. */
 static dls_lcp every_corner(int n, double *M, double *q) {
@@ -502,7 +471,7 @@ static dls_lcp every_corner(int n, double *M, double *q) {
   return lcp_of(n, M, q);
 }
 
-START_TEST(all_of_many_solutions_and_a_full_list) {
+TEST(all_of_many_solutions_and_a_full_list) {
   enum { n = 8 };
   static double M[n * n], q[n], z[n << n];
   const dls_lcp lcp = every_corner(n, M, q);
@@ -521,9 +490,8 @@ START_TEST(all_of_many_solutions_and_a_full_list) {
   ck_assert_int_eq(found.solutions, 10);
   ck_assert(z[10 * n] == 99);
 }
-END_TEST
 
-START_TEST(enumeration_takes_its_largest_size) {
+TEST(enumeration_takes_its_largest_size) {
   enum { n = DLS_ENUMERATE_MAX };
   double M[n * n] = {0}, q[n], z[3 * n];
   const dls_lcp lcp = every_corner(n, M, q); /* room for three */
@@ -534,9 +502,8 @@ START_TEST(enumeration_takes_its_largest_size) {
     for (int i = 0; i < n; i++)
       ck_assert(z[i + n * k] == (k >> i & 1));
 }
-END_TEST
 
-START_TEST(enumeration_does_not_see_units) {
+TEST(enumeration_does_not_see_units) {
   enum { n = 6 };
   double M[n * n], q[n], N[n * n], p[n], z[n * 64], x[n * 64];
   for (int trial = 0; trial < 20; trial++) {
@@ -561,11 +528,10 @@ START_TEST(enumeration_does_not_see_units) {
     }
   }
 }
-END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
-START_TEST(create_refuses) {
+TEST(create_refuses) {
   dls_error e;
   dls_principal_settings good, s;
   dls_principal_settings_init(NULL);
@@ -580,9 +546,9 @@ START_TEST(create_refuses) {
     ck_assert_int_eq(dls_principal_create(&w, 3, &s, NULL), status);                               \
     s = good;                                                                                      \
   } while (0)
-  expect_error(dls_principal_create(NULL, 3, &good, &e), &e, DLS_E_ARGUMENT, f, "out", -1);
+  REFUSES(ARGUMENT, "out", -1, dls_principal_create, NULL, 3, &good);
   w = (dls_principal *)&e;
-  expect_error(dls_principal_create(&w, 0, &good, &e), &e, DLS_E_SIZE, f, "n", -1);
+  REFUSES(SIZE, "n", -1, dls_principal_create, &w, 0, &good);
   ck_assert_ptr_null(w);
   ck_assert_int_eq(dls_principal_create(&w, 3, NULL, &e), DLS_OK); /* the defaults */
   dls_principal_destroy(w);
@@ -602,9 +568,8 @@ START_TEST(create_refuses) {
   REFUSED(DLS_E_ARGUMENT, "warm_start");
 #undef REFUSED
 }
-END_TEST
 
-START_TEST(solve_refuses) {
+TEST(solve_refuses) {
   const char *const f = "dls_principal_solve";
   dls_error e;
   double M[4] = {2, 1, 1, 2}, q[2] = {-5, -6}, z[2] = {7, 8}, y[2] = {9, 10};
@@ -647,15 +612,14 @@ START_TEST(solve_refuses) {
   z[0] = NAN;
   REFUSED(w, &good, DLS_E_NOT_FINITE, "z", 0);
 #undef REFUSED
-  expect_error(dls_principal_solve(w, &good, NULL, y, &info, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
+  REFUSES(ARGUMENT, "z", -1, dls_principal_solve, w, &good, NULL, y, &info);
   ck_assert(y[0] == 9);
   dls_principal_destroy(w);
   dls_principal_destroy(small);
   dls_principal_destroy(NULL);
 }
-END_TEST
 
-START_TEST(enumerate_refuses) {
+TEST(enumerate_refuses) {
   const char *const f = "dls_lcp_enumerate";
   static double large[21 * 21];
   dls_error e;
@@ -684,12 +648,11 @@ START_TEST(enumerate_refuses) {
   REFUSED(&good, 0, 2, DLS_E_NOT_FINITE, "q", 0);
   q[0] = -5;
 #undef REFUSED
-  expect_error(dls_lcp_enumerate(&good, 0, 2, NULL, &found, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
-  expect_error(dls_lcp_enumerate(&good, 0, 2, z, NULL, &e), &e, DLS_E_ARGUMENT, f, "found", -1);
+  REFUSES(ARGUMENT, "z", -1, dls_lcp_enumerate, &good, 0, 2, NULL, &found);
+  REFUSES(ARGUMENT, "found", -1, dls_lcp_enumerate, &good, 0, 2, z, NULL);
 }
-END_TEST
 
-START_TEST(every_malloc_fails_in_turn) {
+TEST(every_malloc_fails_in_turn) {
   dls_principal_settings settings;
   dls_principal_settings_init(&settings);
   dls_principal *w = NULL;
@@ -705,19 +668,4 @@ START_TEST(every_malloc_fails_in_turn) {
   }
   ck_assert_int_eq(k, 2);
   dls_principal_destroy(w);
-}
-END_TEST
-
-int main(void) {
-  return RUN("pivoting", NULL, NULL, ONCE(solves_by_hand), ONCE(agrees_with_enumeration),
-             ONCE(needs_few_factorisations), ONCE(degenerate_answers),
-             ONCE(single_exchanges_end_where_block_exchanges_cycle), ONCE(murty_family),
-             ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
-             ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
-             ONCE(matrices_that_are_no_p_matrices), ONCE(counts_and_one_entry),
-             ONCE(rounding_and_the_best_basis), ONCE(residual_of_negative_parts),
-             ONCE(progress_can_cancel), ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
-             ONCE(all_of_many_solutions_and_a_full_list), ONCE(enumeration_takes_its_largest_size),
-             ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
-             ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));
 }

@@ -1,9 +1,4 @@
 /* test_scale.c: the scaling of an LCP against its formulas, entry by entry. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "lcp/lcp_internal.h"
 #include "lcp_of.h"
@@ -105,7 +100,7 @@ static int expect_formulas(int n) {
 
 /* Sizes that are and are not multiples of eight; M without zeros, with zeros, with an empty row and
  * an empty column. */
-START_TEST(small_matrices) {
+TEST(small_matrices) {
   set_seed(12);
   for (int n = 1; n <= 18; n++)
     for (int kind = 0; kind < 3; kind++) {
@@ -116,11 +111,10 @@ START_TEST(small_matrices) {
       ck_assert_int_eq(expect_formulas(n), 0);
     }
 }
-END_TEST
 
 /* n = 2 on paper: log2|M| = [1 3; 5 9] has rho = -2, -7, gamma = 1.5, -1.5, moved to the same mean,
  * -2.25; a row of 0 takes the other's rho. */
-START_TEST(two_by_hand) {
+TEST(two_by_hand) {
   const double A[4] = {2, 32, -8, 512}, row[4] = {4, 0, 16, 0}, none[4] = {0};
   static const double expected[3][4] = {
       {.25, -4.75, -.75, -3.75}, {-1.5, -1.5, -.5, -2.5}, {0, 0, 0, 0}};
@@ -133,11 +127,10 @@ START_TEST(two_by_hand) {
       ck_assert_double_eq_tol(x[i], expected[k][i], 1e-14);
   }
 }
-END_TEST
 
 /* Entries that decay along a line call for (SC4), a triangle of growing ones for two rounds of it;
  * units of rows and columns, zeros in between. */
-START_TEST(negligible_entries) {
+TEST(negligible_entries) {
   int one = 0, two = 0;
   for (int kind = 0; kind < 6; kind++) {
     const int n = 30 + 3 * kind;
@@ -163,10 +156,9 @@ START_TEST(negligible_entries) {
   ck_assert_int_gt(one, 0);
   ck_assert_int_gt(two, 0);
 }
-END_TEST
 
 /* More rows than one product of mantissas takes, whose exponents would not do in one either. */
-START_TEST(beyond_a_chunk) {
+TEST(beyond_a_chunk) {
   for (int n = 511; n <= 514; n += n == 511 ? 2 : 1) {
     set_seed((uint64_t)n);
     for (int k = 0; k < n * n; k++)
@@ -174,17 +166,10 @@ START_TEST(beyond_a_chunk) {
     (void)expect_formulas(n);
   }
 }
-END_TEST
 
-START_TEST(powers_of_two) {
+TEST(powers_of_two) {
   ck_assert(dlsi_power_of_two(0) == 1 && dlsi_power_of_two(.4) == 1 && dlsi_power_of_two(.6) == 2);
   ck_assert(dlsi_power_of_two(-1.6) == .25 && dlsi_power_of_two(499) == 0x1p499);
   ck_assert(dlsi_power_of_two(500.4) == 0x1p500 && dlsi_power_of_two(501) == 0x1p500);
   ck_assert(dlsi_power_of_two(-499) == 0x1p-499 && dlsi_power_of_two(-501) == 0x1p-500);
-}
-END_TEST
-
-int main(void) {
-  return RUN("scale", NULL, NULL, ONCE(small_matrices), ONCE(two_by_hand), ONCE(negligible_entries),
-             ONCE(beyond_a_chunk), ONCE(powers_of_two));
 }

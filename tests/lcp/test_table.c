@@ -1,11 +1,5 @@
 /* test_table.c: Lemke's table, which postpones its pivots, against one that does each at once. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "close.h"
 #include "lcp/lcp_internal.h"
 #include "run.h"
 
@@ -87,7 +81,7 @@ static void expect_same(const dlsi_table *table, const plain *p) {
 
 /* Rows of the largest entry, so that nothing grows. The table is looked at when nothing is pending,
  * some, more than a part of (TA4), and after the block is full. */
-START_TEST(exchanges_that_are_put_off) {
+TEST(exchanges_that_are_put_off) {
   static plain p;
   dlsi_table table;
   dlsi_arena arena;
@@ -106,9 +100,4 @@ START_TEST(exchanges_that_are_put_off) {
     if (k < 4 || k % 16 < 2) expect_same(&table, &p);
   }
   free(arena.base);
-}
-END_TEST
-
-int main(void) {
-  return RUN("table", NULL, NULL, ONCE(exchanges_that_are_put_off));
 }

@@ -1,10 +1,5 @@
 /* test_blas_of_host.c: a BLAS that the library cannot call is refused, and does no harm. */
-#include <limits.h>
-#include <stdint.h>
-#include <string.h>
-
 #include "delassus.h"
-#include "errors.h"
 #include "linear/blas.h"
 #include "run.h"
 
@@ -45,7 +40,7 @@ void dscal_(const int *n, const double *alpha, double *x, const int *incx) {
     scale_32(n, alpha, x, incx);
 }
 
-START_TEST(integers_of_64_bits) {
+TEST(integers_of_64_bits) {
 #if LOW_HALF_FIRST
   dls_error error = {0};
   expect_error(dlsi_check_scale(scale_64, &error), &error, DLS_E_UNSUPPORTED, "", "BLAS", -1);
@@ -53,17 +48,15 @@ START_TEST(integers_of_64_bits) {
   ck_assert(seen < 0); /* so that it has touched nothing */
 #endif
 }
-END_TEST
 
-START_TEST(integers_of_32_bits) {
+TEST(integers_of_32_bits) {
   ck_assert_int_eq(dlsi_check_scale(scale_32, NULL), DLS_OK);
   ck_assert_int_eq(dlsi_check_blas(NULL), DLS_OK);
   ck_assert_int_eq(dlsi_check_product(NULL), DLS_OK);
 }
-END_TEST
 
 /* Every function that would call such a BLAS returns the error. */
-START_TEST(every_door_refuses_it) {
+TEST(every_door_refuses_it) {
   static const double W[16] = {3, 1, 0, 1, 1, 3, 1, 0, 0, 1, 3, 1, 1, 0, 1, 3};
   static const double q[4] = {-1, 0, -1, 0}, mu[2] = {.5, .5}, K[4] = {3, 1, 1, 3}, one[1] = {1};
   static const int p[2] = {0, 1}, first[1] = {0}, second[1] = {1};
@@ -95,28 +88,21 @@ START_TEST(every_door_refuses_it) {
   on_K.on = DLS_ON_K;
   is_64 = LOW_HALF_FIRST;
   if (!is_64) return;
-#define REFUSES(name, call) expect_error(call, &e, DLS_E_UNSUPPORTED, #name, "BLAS", -1)
-  REFUSES(dls_solve, dls_solve(&contact, NULL, r, NULL, NULL, &e));
-  REFUSES(dls_solver_create, dls_solver_create(&solver, 2, 2, NULL, &e));
-  REFUSES(dls_contact_prove, dls_contact_prove(&contact, r, &proof, NULL, &e));
-  REFUSES(dls_contact_sensitivity, dls_contact_sensitivity(&contact, r, &sensitivity, &e));
-  REFUSES(dls_contact_freedom, dls_contact_freedom(&contact, r, &count, &e));
-  REFUSES(dls_contact_diagnose, dls_contact_diagnose(&contact, 9, &diagnosis, &e));
-  REFUSES(dls_contact_fold, dls_contact_fold(&contact, &fold, NULL, NULL, NULL, NULL, &e));
-  REFUSES(dls_derive_create, dls_derive_create(&derive, &contact, r, 0, &e));
-  REFUSES(dls_lemke_create, dls_lemke_create(&lemke, 4, NULL, &e));
-  REFUSES(dls_principal_create, dls_principal_create(&principal, 4, NULL, &e));
-  REFUSES(dls_reduction_create, dls_reduction_create(&reduction, &model, NULL, &e));
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_solve, &contact, NULL, r, NULL, NULL);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_solver_create, &solver, 2, 2, NULL);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_contact_prove, &contact, r, &proof, NULL);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_contact_sensitivity, &contact, r, &sensitivity);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_contact_freedom, &contact, r, &count);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_contact_diagnose, &contact, 9, &diagnosis);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_contact_fold, &contact, &fold, NULL, NULL, NULL, NULL);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_derive_create, &derive, &contact, r, 0);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_lemke_create, &lemke, 4, NULL);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_principal_create, &principal, 4, NULL);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_reduction_create, &reduction, &model, NULL);
   ck_assert_int_eq(dls_reduction_create(&reduction, &model, &on_K, &e), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(reduction, q, NULL, &e), DLS_OK);
-  REFUSES(dls_reduction_solve, dls_reduction_solve(reduction, mu, NULL, r, NULL, basis, NULL, &e));
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_reduction_solve, reduction, mu, NULL, r, NULL, basis, NULL);
   dls_reduction_destroy(reduction);
-  REFUSES(dls_global_create, dls_global_create(&global, &model, &e));
-  REFUSES(dls_primal_create, dls_primal_create(&primal, &model, NULL, &e));
-}
-END_TEST
-
-int main(void) {
-  return RUN("blas of host", NULL, NULL, ONCE(integers_of_64_bits), ONCE(integers_of_32_bits),
-             ONCE(every_door_refuses_it));
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_global_create, &global, &model);
+  REFUSES(UNSUPPORTED, "BLAS", -1, dls_primal_create, &primal, &model, NULL);
 }

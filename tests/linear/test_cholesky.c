@@ -1,16 +1,7 @@
 /* test_cholesky.c: the sparse Cholesky factor by supernodes, and the two halves of a solve. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "close.h"
 #include "contact/contact.h"
 #include "linear/cholesky.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 #if WITH_MUMPS
@@ -82,7 +73,7 @@ static void assert_solves(const double *x, const double *b) {
 }
 
 /* One right-hand side, several at once to rounding the same, and again after a new factor. */
-START_TEST(solves) {
+TEST_EACH(solves, 0, 120) {
   make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double pivot = 0, X[3 * most_n], x[most_n], again[most_n];
@@ -104,10 +95,9 @@ START_TEST(solves) {
   ck_assert_mem_eq(again, x, (size_t)M.n * sizeof *x);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* condense, then expand for one h on c after the other: A x = b + (0, h). b may be 0. */
-START_TEST(halves_make_a_solve) {
+TEST_EACH(halves_make_a_solve, 0, 120) {
   make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double pivot = 0, z[most_n], x[most_n], load[most_n];
@@ -143,10 +133,9 @@ START_TEST(halves_make_a_solve) {
   }
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* The order: c stands last as it was given, and every unknown stands once. */
-START_TEST(kept_stand_last) {
+TEST_EACH(kept_stand_last, 0, 40) {
   make_matrix(_i);
   dlsi_cholesky *L = analysed();
   int seen[most_n] = {0};
@@ -159,10 +148,9 @@ START_TEST(kept_stand_last) {
     ck_assert_int_eq(seen[k], 1);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* A negative pivot is told with its position, and a good matrix is factored all the same next. */
-START_TEST(indefinite_is_told) {
+TEST_EACH(indefinite_is_told, 0, 40) {
   make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double pivot = 7;
@@ -181,11 +169,10 @@ START_TEST(indefinite_is_told) {
   assert_solves(x, M.b);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* What the analysis says of panels follows from supernodes and rows: places, sizes, operations. The
  * rows of a supernode ascend, come after it and hold those of each column of A. */
-START_TEST(panels_by_definition) {
+TEST_EACH(panels_by_definition, 0, 120) {
   make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double flops = 0;
@@ -223,7 +210,6 @@ START_TEST(panels_by_definition) {
   ck_assert_double_eq_tol(L->flops, flops, 1e-12 * flops);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* An entry (i, j) counted from 0, for an order that is that of the unknowns. */
 static void add_place(int i, int j) {
@@ -235,7 +221,7 @@ static void add_place(int i, int j) {
  * w takes the column before it while its zeros, 1 + 2 + .. + (w - 1), are at most (w + 1)^2 / 3: up
  * to w = 7, which makes 8. The one before begins with a column of two rows, and w zeros come in, of
  * 1 + .. + w <= (w + 2) (w + 1) / 3: up to w = 4, which makes 5. */
-START_TEST(supernodes_of_a_path) {
+TEST_EACH(supernodes_of_a_path, 1, 17) {
   memset(&M, 0, sizeof M);
   M.n = _i;
   for (int k = 0; k < M.n; k++) {
@@ -249,11 +235,10 @@ START_TEST(supernodes_of_a_path) {
   if (_i > 13) ck_assert_int_eq(L->first[1], _i - 13);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* Cliques of a and b unknowns, one of the second tied to all of the first: merged, the first has a
  * columns with b - 1 zeros each, which may be a hundred, and no more than a third of the panel. */
-START_TEST(supernodes_of_cliques) {
+TEST_EACH(supernodes_of_cliques, 0, 7) {
   static const struct {
     int a, b, count;
   } at[] = {{10, 11, 1}, {10, 12, 2}, {1, 80, 1}, {4, 26, 1}, {4, 27, 2}, {20, 6, 1}, {20, 7, 2}};
@@ -270,11 +255,10 @@ START_TEST(supernodes_of_cliques) {
   if (at[_i].count == 2) ck_assert(L->first[1] == a && L->start[1] == 1 && L->row[0] == a);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
 /* The pivot that fails is told: of (1 2; 2 1) the second one, -3, in one panel or where 0 is a
  * panel of its own, before c; of diag(1, -5, 1) -5. */
-START_TEST(pivots_by_hand) {
+TEST_EACH(pivots_by_hand, 0, 2) {
   memset(&M, 0, sizeof M);
   M.n = 3;
   M.kept = _i % 2;
@@ -301,9 +285,8 @@ START_TEST(pivots_by_hand) {
   ck_assert(x[0] == 1 && x[1] == -2 && x[2] == 2);
   dlsi_cholesky_destroy(L);
 }
-END_TEST
 
-START_TEST(every_malloc_fails) {
+TEST_EACH(every_malloc_fails, 0, 4) {
   make_matrix(_i);
   dlsi_cholesky *L = NULL;
   long k;
@@ -326,21 +309,6 @@ START_TEST(every_malloc_fails) {
   ck_assert_int_eq(two, DLS_E_MEMORY);
   dlsi_cholesky_destroy(L);
   dlsi_cholesky_destroy(NULL);
-}
-END_TEST
-
-int main(void) {
-  return RUN("cholesky", NULL, NULL, EACH(solves, 0, 120), EACH(halves_make_a_solve, 0, 120),
-             EACH(kept_stand_last, 0, 40), EACH(indefinite_is_told, 0, 40),
-             EACH(panels_by_definition, 0, 120), EACH(supernodes_of_a_path, 1, 17),
-             EACH(supernodes_of_cliques, 0, 7), EACH(pivots_by_hand, 0, 2),
-             EACH(every_malloc_fails, 0, 4));
-}
-
-#else
-
-int main(void) {
-  return 0;
 }
 
 #endif

@@ -1,8 +1,4 @@
 /* test_dense.c: dense factors: Cholesky, LU if that is not possible, by their residuals. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "linear/dense.h"
 #include "run.h"
@@ -21,7 +17,7 @@ static void dense_matrix(int kind, int n, int e, double *A) {
 }
 
 /* Solves A X = B and measures it, column by column for 2^7 A, too. */
-START_TEST(factor_and_solve) {
+TEST_EACH(factor_and_solve, 0, 3 * n_most) {
   const int kind = _i % 3, n = 1 + _i / 3 % n_most;
   double X[2][n_most * columns];
   for (int turn = 0; turn < 2; turn++) {
@@ -66,18 +62,16 @@ START_TEST(factor_and_solve) {
   for (int k = 0; k < n * columns; k++)
     ck_assert(fabs(X[0][k] - ldexp(X[1][k], 7)) <= 1e-13);
 }
-END_TEST
 
-START_TEST(singular) {
+TEST(singular) {
   double A[4] = {1, 2, 2, 4}, diagonal[2];
   int pivot[2];
   dlsi_dense f = {.n = 2, .A = A, .pivot = pivot};
   ck_assert_int_eq(dlsi_dense_factor(&f, diagonal), 2);
 }
-END_TEST
 
 /* Z L L^T = 1, in several blocks of columns */
-START_TEST(inverse_of_many_rows) {
+TEST(inverse_of_many_rows) {
   enum { many = 150 };
   static double A[many * many], L[many * many], Z[many * many];
   set_seed(9);
@@ -97,21 +91,14 @@ START_TEST(inverse_of_many_rows) {
       ck_assert_double_le(fabs(left), 1e-13);
     }
 }
-END_TEST
 
 /* The largest column sum: 3, 14, 24 of the matrix whose lower triangle alone is read; 3, 212, 324
  * of the whole one. */
-START_TEST(norm) {
+TEST(norm) {
   const double A[9] = {1, -2, 0, 200, 4, 8, 300, 8, -16};
   double sums[3];
   ck_assert(dlsi_dense_norm(A, 3, 1, sums) == 24);
   ck_assert(sums[0] == 3 && sums[1] == 14 && sums[2] == 24);
   ck_assert(dlsi_dense_norm(A, 3, 0, sums) == 324);
   ck_assert(sums[0] == 3 && sums[1] == 212 && sums[2] == 324);
-}
-END_TEST
-
-int main(void) {
-  return RUN("dense", NULL, NULL, EACH(factor_and_solve, 0, 3 * n_most), ONCE(singular),
-             ONCE(inverse_of_many_rows), ONCE(norm));
 }

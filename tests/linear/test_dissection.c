@@ -2,11 +2,7 @@
  * listed; little fill; signals of the host. */
 #define _XOPEN_SOURCE 600 /* sigaction, setitimer */
 
-#include <check.h>
 #include <signal.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
@@ -14,7 +10,6 @@
 #include "contact/contact.h"
 #include "linear/cholesky.h"
 #include "linear/dissection.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 #if WITH_MUMPS
@@ -71,7 +66,7 @@ static void dissect(void) {
 
 /* The unknowns of a node stand in a row, ascending, in the order of the nodes alone; entries listed
  * twice and those of the diagonal change nothing. */
-START_TEST(unknowns_of_a_node) {
+TEST_EACH(unknowns_of_a_node, 0, 3) {
   const int d = 1 + _i;
   int alone[nodes], first[most_unknowns];
   list_grid(1, 0);
@@ -87,7 +82,6 @@ START_TEST(unknowns_of_a_node) {
   dissect();
   ck_assert_mem_eq(G.order, first, (size_t)G.n * sizeof first[0]);
 }
-END_TEST
 
 /* Operations of a Cholesky factor in this order. */
 static double operations(const int *order) {
@@ -103,7 +97,7 @@ static double operations(const int *order) {
 
 /* On a grid the factor takes much less work than in the order of rows, of which the band is full:
  * less than two thirds on 12 x 12 nodes. */
-START_TEST(little_fill) {
+TEST_EACH(little_fill, 0, 3) {
   int rows[most_unknowns];
   list_grid(1 + _i, 0);
   dissect();
@@ -111,11 +105,10 @@ START_TEST(little_fill) {
     rows[k] = k;
   ck_assert_double_lt(operations(G.order), 0.67 * operations(rows));
 }
-END_TEST
 
 /* A star with as many leaves, a pair of whose unknowns is alike but for each other; a pair with
  * equal neighbourhoods that are not neighbours is no node; unknowns alone. */
-START_TEST(odd_graphs) {
+TEST(odd_graphs) {
   G.n = 5;
   G.entries = 0;
   dissect(); /* no entry at all */
@@ -133,7 +126,6 @@ START_TEST(odd_graphs) {
   list(0, 0);
   dissect();
 }
-END_TEST
 
 static volatile sig_atomic_t terms;
 
@@ -155,7 +147,7 @@ static void handle(int number, void (*handler)(int)) {
 }
 
 /* METIS would put a handler back for one signal only. */
-START_TEST(handlers_stay) {
+TEST(handlers_stay) {
   handle(SIGTERM, on_term);
   handle(SIGABRT, on_term);
   list_grid(2, 0);
@@ -164,11 +156,10 @@ START_TEST(handlers_stay) {
     ck_assert_int_eq(raise(k % 2 ? SIGABRT : SIGTERM), 0);
   ck_assert_int_eq(terms, 4);
 }
-END_TEST
 
 /* Twelve SIGTERMs, each at another moment of the 20 ms that METIS takes for this tree: a handler
  * that leaves malloc by a jump spoils the heap or never ends. */
-START_TEST(term_while_ordering) {
+TEST(term_while_ordering) {
   enum { n = 20000 };
   int *const row = malloc(3 * n * sizeof *row), *const col = row + n, *const order = col + n;
   ck_assert_ptr_nonnull(row);
@@ -190,27 +181,13 @@ START_TEST(term_while_ordering) {
   }
   free(row);
 }
-END_TEST
 
-START_TEST(every_malloc_fails) {
+TEST(every_malloc_fails) {
   list_grid(2, 0);
   dls_error e = {0};
   MALLOCS_FAIL(dlsi_dissection(G.n, G.entries, G.row, G.col, G.order, &e), e.index == -1, DLS_OK,
                5);
   ck_assert_int_eq(mallocs_failed, 5);
-}
-END_TEST
-
-int main(void) {
-  return RUN("dissection", NULL, NULL, EACH(unknowns_of_a_node, 0, 3), EACH(little_fill, 0, 3),
-             ONCE(odd_graphs), ONCE(handlers_stay), ONCE(term_while_ordering),
-             ONCE(every_malloc_fails));
-}
-
-#else
-
-int main(void) {
-  return 0;
 }
 
 #endif

@@ -1,6 +1,4 @@
 /* test_equilibrate.c: factors for rows and columns by hand. */
-#include <check.h>
-
 #include "linear/equilibrate.h"
 #include "run.h"
 
@@ -17,7 +15,7 @@ static void find(const dls_sparse *K, int symmetric) {
 
 /* Entries of a diagonal become 1 at once, by the power of two below 1/sqrt(a); two in one place
  * count by themselves; a row without entries but 0 stays. */
-START_TEST(diagonal) {
+TEST(diagonal) {
   const int p[] = {0, 1, 2, 4, 5}, i[] = {0, 1, 2, 2, 3};
   const double x[] = {-4, 1. / 64, 9, 9, 0};
   const dls_sparse K = {n, n, p, i, x};
@@ -27,12 +25,11 @@ START_TEST(diagonal) {
     ck_assert(C[0] == 0.5 && C[1] == 8 && C[2] == 0.25 && C[3] == 1);
   }
 }
-END_TEST
 
 /* A row whose only entry is 2^-64, in a column of 1: each sweep but the first, which takes all of
  * it, halves what is left: 2^(64 - 64 / 2^5) after five; a column of 2^-32 alike. Above the
  * diagonal a symmetric K is not read. */
-START_TEST(five_sweeps) {
+TEST(five_sweeps) {
   const int p[] = {0, 2, 3, 4, 5}, i[] = {0, 1, 0, 2, 3};
   double x[] = {1, 0x1p-64, 0x1p-32, 1, 1};
   const dls_sparse K = {n, n, p, i, x};
@@ -43,9 +40,4 @@ START_TEST(five_sweeps) {
   find(&K, 1);
   ck_assert(R[0] == 1 && R[1] == 0x1p62 && R[2] == 1 && R[3] == 1);
   ck_assert(C[0] == 1 && C[1] == 0x1p62 && C[2] == 1 && C[3] == 1);
-}
-END_TEST
-
-int main(void) {
-  return RUN("equilibrate", NULL, NULL, ONCE(diagonal), ONCE(five_sweeps));
 }

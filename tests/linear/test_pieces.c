@@ -4,10 +4,6 @@
  */
 #define _POSIX_C_SOURCE 200809L /* CLOCK_PROCESS_CPUTIME_ID */
 
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "cases.h"
@@ -60,7 +56,7 @@ static void expect_close(const double *C, const double *expected, int rows, int 
   }
 }
 
-START_TEST(products) {
+TEST_EACH(products, 0, size_count *size_count) {
   const int m = sizes[_i % size_count], n = sizes[_i / size_count], ld = side + gap;
   static const int terms[] = {0, 1, 30, 64, 65, 150};
   for (int t = 0; t < 24; t++) {
@@ -74,9 +70,8 @@ START_TEST(products) {
     expect_close(of->C, of->D, m, n, 0, 1e-12);
   }
 }
-END_TEST
 
-START_TEST(products_of_one_matrix) {
+TEST_EACH(products_of_one_matrix, 0, size_count) {
   const int n = sizes[_i], ld = side + gap;
   for (int k = 1; k <= side; k += 66) {
     memcpy(of->D, of->C, sizeof of->D);
@@ -104,9 +99,8 @@ START_TEST(products_of_one_matrix) {
       ck_assert_double_le(fabs(y[i] - expected[i]), 1e-12);
   }
 }
-END_TEST
 
-START_TEST(triangles) {
+TEST_EACH(triangles, 0, size_count *size_count) {
   static const struct {
     char side, uplo, trans, diag;
   } kinds[] = {{'L', 'L', 'N', 'N'}, {'L', 'L', 'N', 'U'}, {'L', 'L', 'T', 'N'},
@@ -128,7 +122,6 @@ START_TEST(triangles) {
     expect_close(of->C, of->D, m, n, 0, 1e-13);
   }
 }
-END_TEST
 
 /* Makes A definite, or unsymmetric. */
 static void make_regular(int n, int definite) {
@@ -141,7 +134,7 @@ static void make_regular(int n, int definite) {
 }
 
 /* L L^T = A below the diagonal; the upper triangle stays, and the pivot that fails is told. */
-START_TEST(cholesky) {
+TEST_EACH(cholesky, 0, size_count) {
   const int n = sizes[_i], ld = side + gap;
   make_regular(n, 1);
   memcpy(of->C, of->A, sizeof of->C);
@@ -155,9 +148,8 @@ START_TEST(cholesky) {
     ck_assert_int_eq(dlsi_potrf(1, n, of->C, ld), k + 1);
   }
 }
-END_TEST
 
-START_TEST(gauss) {
+TEST_EACH(gauss, 0, size_count) {
   const int n = sizes[_i], ld = side + gap;
   int pivot[side], whole[side];
   make_regular(n, 0);
@@ -191,7 +183,6 @@ START_TEST(gauss) {
   for (int i = 0; i < n; i++)
     ck_assert(pivot[i] > i && pivot[i] <= n);
 }
-END_TEST
 
 /* ---- threads --------------------------------------------------------------------------------- */
 
@@ -226,7 +217,7 @@ static void do_all(int alone, int n) {
   dlsi_getrs(alone, n, n, of->C, ld, pivot, of->D, ld);
 }
 
-START_TEST(threads_sleep) {
+TEST(threads_sleep) {
   const struct timespec rest = {0, 300000000};
   static matrices before, first;
   if (!openblas_set_num_threads) return;
@@ -249,18 +240,13 @@ START_TEST(threads_sleep) {
   }
   openblas_set_num_threads(1);
 }
-END_TEST
 
-START_TEST(small_is_a_thousand_rows) {
+TEST(small_is_a_thousand_rows) {
   ck_assert(dlsi_is_small(0) && dlsi_is_small(1000 * 1000) && !dlsi_is_small(1000 * 1000 + 1));
   for (int i = 0; i < size_count; i += 3) /* as a whole: whatever is large */
     do_all(0, sizes[i]);
 }
-END_TEST
 
 int main(void) {
-  return RUN("pieces", pieces_begin, pieces_end, EACH(products, 0, size_count * size_count),
-             EACH(products_of_one_matrix, 0, size_count),
-             EACH(triangles, 0, size_count * size_count), EACH(cholesky, 0, size_count),
-             EACH(gauss, 0, size_count), ONCE(threads_sleep), ONCE(small_is_a_thousand_rows));
+  return run_tests("pieces", pieces_begin, pieces_end);
 }

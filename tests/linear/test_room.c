@@ -1,15 +1,9 @@
 /* test_room.c: room for a matrix grows, never shrinks, and ends at what an int counts. */
-#include <check.h>
-#include <limits.h>
-#include <stdint.h>
-
-#include "errors.h"
 #include "linear/room.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 /* The owner of J loses it where J moves alone. */
-START_TEST(dense) {
+TEST(dense) {
   dlsi_room room = {0};
   dls_error error;
   ck_assert_int_eq(dlsi_room_dense(&room, 0, NULL), DLS_OK);
@@ -38,12 +32,11 @@ START_TEST(dense) {
   ck_assert(room.J && room.side == 1);
   dlsi_room_free(&room);
 }
-END_TEST
 
 #if WITH_MUMPS
 
 /* d^2 blocks + d nc entries: 4 * 3 + 2 * 5; fewer of them take what is there. */
-START_TEST(sparse) {
+TEST(sparse) {
   dlsi_room room = {0};
   ck_assert_int_eq(dlsi_room_sparse(&room, 2, 5, 3, NULL), DLS_OK);
   ck_assert(room.lu && room.i && room.v && room.entries == 22);
@@ -56,10 +49,9 @@ START_TEST(sparse) {
   ck_assert(room.entries == 30);
   dlsi_room_free(&room);
 }
-END_TEST
 
 /* 2^31 - 1 entries are a lack of memory, one more is a size: 1 * 7 + 1 nc and 9 * 238609294 + 3. */
-START_TEST(too_large) {
+TEST(too_large) {
   dlsi_room room = {0};
   dls_error error;
   ck_assert_int_eq(dlsi_room_sparse(&room, 1, 1, 1, NULL), DLS_OK);
@@ -76,10 +68,9 @@ START_TEST(too_large) {
   }
   dlsi_room_free(&room);
 }
-END_TEST
 
 /* Each allocation fails in turn; the room serves afterwards. */
-START_TEST(failing_mallocs) {
+TEST(failing_mallocs) {
   long k = 0;
   for (dls_status status = DLS_E_MEMORY; status;) {
     dlsi_room room = {0};
@@ -93,23 +84,13 @@ START_TEST(failing_mallocs) {
   }
   ck_assert_int_eq(k, 7); /* the work, i, v, row, col, x, and none */
 }
-END_TEST
-
-int main(void) {
-  return RUN("room", NULL, NULL, ONCE(dense), ONCE(sparse), ONCE(too_large), ONCE(failing_mallocs));
-}
 
 #else
 
-START_TEST(sparse_needs_mumps) {
+TEST(sparse_needs_mumps) {
   dlsi_room room = {0};
   ck_assert_int_eq(dlsi_room_sparse(&room, 2, 5, 3, NULL), DLS_E_UNSUPPORTED);
   dlsi_room_free(&room);
-}
-END_TEST
-
-int main(void) {
-  return RUN("room", NULL, NULL, ONCE(dense), ONCE(sparse_needs_mumps));
 }
 
 #endif

@@ -1,11 +1,5 @@
 /* test_schur.c: the Schur complement of small sparse matrices by hand: solves, halves, inverses,
  * measures and errors. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "errors.h"
 #include "linear/schur.h"
 #include "run.h"
 
@@ -37,7 +31,7 @@ static void schur_expect(const double *x, const double *expected, int count) {
 
 /* One right-hand side, then three, of a new factor again: nothing, two or all unknowns kept; MUMPS
  * wants one that is not. */
-START_TEST(solves) {
+TEST_EACH(solves, 0, 9) {
   static const int keep[] = {1, 3}, all[] = {0, 1, 2, 3};
   const dls_factorization tag = (dls_factorization)(1 + _i % 3);
   const int count = _i / 3 == 2 ? tag == DLS_CHOLESKY ? n : n - 1 : 2 * (_i / 3);
@@ -60,11 +54,10 @@ START_TEST(solves) {
   dlsi_schur_destroy(work);
   dlsi_schur_destroy(NULL);
 }
-END_TEST
 
 /* condense: z = (K^-1 b)_c; expand: K^-1 (b + h), of another h as well where K is definite. A solve
  * and a factor end it. (K^-1)_cc comes from S. */
-START_TEST(halves) {
+TEST_EACH(halves, 0, 3) {
   static const int keep[] = {1, 3};
   const dls_factorization tag = (dls_factorization)(1 + _i);
   const dls_sparse Ks = schur_matrix(tag);
@@ -93,8 +86,7 @@ START_TEST(halves) {
     double expected[n];
     for (int i = 0; i < n; i++)
       expected[i] = answer[i] + 256 * (columns[i + n] - columns[i + 3 * n]);
-    for (int i = 0; i < n; i++)
-      ck_assert_double_eq_tol(x[i], expected[i], 1e-11);
+    assert_near(x, expected, n, 1e-11);
     ck_assert_int_eq(dlsi_schur_holds(work), tag == DLS_CHOLESKY);
     if (tag == DLS_CHOLESKY) {
       ck_assert_int_eq(dlsi_schur_expand(work, (double[]){0, 0}, x, NULL), DLS_OK);
@@ -104,10 +96,9 @@ START_TEST(halves) {
   }
   dlsi_schur_destroy(work);
 }
-END_TEST
 
 /* Powers of two scale a diagonal K to 1: |A|_1 = 1 and |A^-1|_F = 2 of four unknowns. */
-START_TEST(measures_of_a_diagonal) {
+TEST_EACH(measures_of_a_diagonal, 0, 6) {
   static const int p[] = {0, 1, 2, 3, 4}, i[] = {0, 1, 2, 3}, keep[] = {2};
   static const double x[] = {4, 0x1p-40, 0x1p60, 1};
   const dls_factorization tag = (dls_factorization)(1 + _i / 2);
@@ -127,12 +118,11 @@ START_TEST(measures_of_a_diagonal) {
   }
   dlsi_schur_destroy(work);
 }
-END_TEST
 
 /* K = (1 0 -.5; 0 1 -.5; -.5 -.5 1): |K|_1 = 2, of the last column, half of which stands above the
  * diagonal. 1 / (2 |K^-1|_F) with the mean of two |K^-1 v|^2, v of +-1 by chance, x_2 = 2 v_2 + v_0
  * + v_1, x_i = v_i + x_2 / 2. */
-START_TEST(condition_by_hand) {
+TEST_EACH(condition_by_hand, 0, 3) {
   static const int p[] = {0, 2, 4, 7}, i[] = {0, 2, 1, 2, 0, 1, 2};
   static const double x[] = {1, -0.5, 1, -0.5, -0.5, -0.5, 1};
   const dls_factorization tag = (dls_factorization)(1 + _i);
@@ -151,13 +141,12 @@ START_TEST(condition_by_hand) {
   ck_assert(dlsi_schur_measured(work)->error <= 2 * DBL_EPSILON);
   dlsi_schur_destroy(work);
 }
-END_TEST
 
 /* Of a definite K: 8 bytes an entry of L; with it the largest update, and 8 + 16 bytes an entry of
  * K; s^3 / 3 operations for s columns without rows below, and b^3 for S^-1. (4 1; 1 4) with one
  * unknown kept has two supernodes: 1/3 + 1 + 1 for the first, 1/3 for the second. MUMPS tells
  * millions of bytes; what is added to these is 16 an entry and 8 b^2; S^-1 takes 2 b^3 by LU. */
-START_TEST(foreseen_by_hand) {
+TEST(foreseen_by_hand) {
   static const int p[] = {0, 2, 4}, i[] = {0, 1, 0, 1}, keep[] = {0, 1, 2, 3};
   static const double x[] = {4, 1, 1, 4};
   const dls_sparse two = {2, 2, p, i, x}, four = schur_matrix(DLS_CHOLESKY);
@@ -185,11 +174,10 @@ START_TEST(foreseen_by_hand) {
   ck_assert_double_lt(fabs(flops[0][1] - flops[0][0] - 8), 8);
   ck_assert_double_gt(flops[1][1] - flops[1][0], 4);
 }
-END_TEST
 
 /* Another pattern: the first entry that differs is named, of a symmetric K below the diagonal
  * alone; -1 where entries are missing, with their number. */
-START_TEST(patterns_are_compared) {
+TEST_EACH(patterns_are_compared, 0, 2) {
   const dls_factorization tag = _i ? DLS_LU : DLS_LDLT;
   const dls_sparse Ks = schur_matrix(tag);
   dlsi_schur *work = schur_new(&Ks, tag, 0, NULL);
@@ -224,11 +212,10 @@ START_TEST(patterns_are_compared) {
   ck_assert(e.value == 3);
   dlsi_schur_destroy(work);
 }
-END_TEST
 
 /* Unknown 0 tied to another one by (1 1; 1 1): nothing is left of the latter in S, whose pivot is
  * 0, be it the first or the second one kept. */
-START_TEST(zero_in_the_complement) {
+TEST_EACH(zero_in_the_complement, 0, 4) {
   static const int keep[] = {1, 2};
   const dls_factorization tag = _i / 2 ? DLS_LU : DLS_LDLT;
   const int tied = 1 + _i % 2;
@@ -242,11 +229,10 @@ START_TEST(zero_in_the_complement) {
   ck_assert(e.value == 0);
   dlsi_schur_destroy(work);
 }
-END_TEST
 
 /* 2 I beside (1 1; 1 1 + 2 eps), which is as good as singular: named is where |A^-1 v| is largest,
  * with the condition. */
-START_TEST(nearly_singular) {
+TEST_EACH(nearly_singular, 0, 3) {
   static const int p[] = {0, 1, 2, 4, 6}, i[] = {0, 1, 2, 3, 2, 3};
   static const double x[] = {2, 2, 1, 1, 1, 1 + 2 * DBL_EPSILON};
   const dls_factorization tag = (dls_factorization)(1 + _i);
@@ -260,11 +246,10 @@ START_TEST(nearly_singular) {
   ck_assert_double_lt(e.value, 2 * DBL_EPSILON);
   dlsi_schur_destroy(work);
 }
-END_TEST
 
 /* K = (4 6; 6 5), of which MUMPS is not asked: the pivot 5 - 36 / 4 of unknown 1, which stands last
  * where it is kept, in units of the scaled K: between a quarter and four times -1. */
-START_TEST(what_is_not_definite) {
+TEST_EACH(what_is_not_definite, 0, 2) {
   static const int p[] = {0, 2, 4}, i[] = {0, 1, 1, 1};
   static const double x[] = {4, 6, 3, 2}, huge[] = {1, 0, 1.5e308, 1.5e308};
   dls_sparse Ks = {2, 2, p, i, x};
@@ -276,21 +261,6 @@ START_TEST(what_is_not_definite) {
   Ks.x = huge; /* entries that add up to Inf as they stand, but not in the units of K */
   ck_assert_int_eq(dlsi_schur_factor(work, &Ks, NULL), DLS_OK);
   dlsi_schur_destroy(work);
-}
-END_TEST
-
-int main(void) {
-  return RUN("schur", NULL, NULL, EACH(solves, 0, 9), EACH(halves, 0, 3),
-             EACH(measures_of_a_diagonal, 0, 6), EACH(condition_by_hand, 0, 3),
-             ONCE(foreseen_by_hand), EACH(patterns_are_compared, 0, 2),
-             EACH(zero_in_the_complement, 0, 4), EACH(nearly_singular, 0, 3),
-             EACH(what_is_not_definite, 0, 2));
-}
-
-#else
-
-int main(void) {
-  return 0;
 }
 
 #endif

@@ -1,10 +1,5 @@
 /* test_sparse_lu.c: small matrices by hand, one after the other in one workspace. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-
 #include "linear/sparse_lu.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 #if WITH_MUMPS
@@ -33,7 +28,7 @@ static void lu_expect(const dls_sparse *A, double *x, const double *answer) {
 }
 
 /* (4 0; 0 2), (0 4; 2 0), (0 2; 2 0), (4 1; 0 2): patterns of as many entries in other places. */
-START_TEST(other_patterns) {
+TEST(other_patterns) {
   static const int p[] = {0, 1, 2}, q[] = {0, 1, 3}, straight[] = {0, 1}, turned[] = {1, 0};
   static const int upper[] = {0, 0, 1};
   static const double large[] = {4, 2}, small[] = {2, 2}, x3[] = {4, 1, 2}, turned4[] = {2, 4};
@@ -45,11 +40,10 @@ START_TEST(other_patterns) {
     lu_expect(&(dls_sparse){2, 2, q, upper, x3}, b[3], (double[]){1.25, 3});
   }
 }
-END_TEST
 
 /* Columns that begin elsewhere, with rows the same: (1 1; 0 1) has rows 0, 0, 1, and so has the
  * matrix whose first column has two entries in row 0 and one in row 1, the second none. */
-START_TEST(other_columns) {
+TEST(other_columns) {
   static const int p[] = {0, 1, 3}, q[] = {0, 3, 3}, i[] = {0, 0, 1};
   static const double x[] = {1, 1, 1};
   double b[] = {5, 2}, again[] = {5, 2};
@@ -63,10 +57,9 @@ START_TEST(other_columns) {
                    DLS_E_SINGULAR);
   lu_expect(&(dls_sparse){2, 2, p, i, x}, again, (double[]){3, 2});
 }
-END_TEST
 
 /* Entries in one place add up; a smaller matrix, one of more entries, and a smaller one again. */
-START_TEST(other_sizes) {
+TEST(other_sizes) {
   static const int p[] = {0, 2}, i[] = {0, 0}, one[] = {0, 1}, four[] = {0, 1, 2, 3, 4};
   static const int five[] = {0, 2, 3, 4, 5}, rows[] = {3, 2, 1, 0}, more[] = {0, 3, 2, 1, 0};
   static const double x[] = {1, 3}, y[] = {1, 2, 4, 8}, z[] = {1, 1, 2, 4, 8};
@@ -79,11 +72,10 @@ START_TEST(other_sizes) {
   lu_expect(&(dls_sparse){4, 4, five, more, z}, d, (double[]){8, 4, 2, 0});
   lu_expect(&(dls_sparse){1, 1, p, i, x}, e, (double[]){3});
 }
-END_TEST
 
 /* From the least normal number to the largest, and at both ends of the powers that are divided out:
  * A = a (1 2; 0 1), x = (1, 1) exactly. */
-START_TEST(units) {
+TEST(units) {
   static const double of[] = {0x1p-1022, 0x1p-1023, 0x1p-1040, 0x1p-900, 3,
                               0x1p999,   0x1p1000,  0x1p1001,  0x1p1021};
   static const int p[] = {0, 1, 3}, i[] = {0, 0, 1};
@@ -93,20 +85,18 @@ START_TEST(units) {
     lu_expect(&(dls_sparse){2, 2, p, i, x}, b, (double[]){1, 1});
   }
 }
-END_TEST
 
 /* Of 0 no power of two is divided out; the workspace serves afterwards. */
-START_TEST(zero_is_singular) {
+TEST(zero_is_singular) {
   static const int p[] = {0, 1, 2}, i[] = {0, 1};
   const double x[] = {0, 0}, y[] = {1, 4};
   double b[] = {3, 8};
   ck_assert_int_eq(dlsi_sparse_lu_factor(lu, &(dls_sparse){2, 2, p, i, x}, NULL), DLS_E_SINGULAR);
   lu_expect(&(dls_sparse){2, 2, p, i, y}, b, (double[]){3, 2});
 }
-END_TEST
 
 /* Room that is there is kept; what failed is gone, and comes back. */
-START_TEST(reserve) {
+TEST(reserve) {
   malloc_fails_at(0);
   dls_status status = dlsi_sparse_lu_reserve(lu, 4, NULL);
   if (!status) status = dlsi_sparse_lu_reserve(lu, 1, NULL);
@@ -126,17 +116,9 @@ START_TEST(reserve) {
     lu_expect(&(dls_sparse){2, 2, p, i, (double[]){2, 3}}, b, (double[]){3, 2});
   }
 }
-END_TEST
 
 int main(void) {
-  return RUN("sparse_lu", lu_begin, lu_end, ONCE(other_patterns), ONCE(other_columns),
-             ONCE(other_sizes), ONCE(units), ONCE(zero_is_singular), ONCE(reserve));
-}
-
-#else
-
-int main(void) {
-  return 0;
+  return run_tests("sparse_lu", lu_begin, lu_end);
 }
 
 #endif

@@ -1,9 +1,4 @@
 /* test_anderson.c: Anderson acceleration, by hand and against a direct least squares problem. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "run.h"
 #include "vi/vi_internal.h"
@@ -40,7 +35,7 @@ static void history_free(history *h) {
 }
 
 /* Aitken: x := x / 2 + 1 from 0 gives g = 1, 3/2, whose limit is 2; u = 4 x - 3. */
-START_TEST(a_line_ends_at_once) {
+TEST(a_line_ends_at_once) {
   history h;
   history_make(&h, 1, 1, 1);
   double f = 1, g = 1, u = 1;
@@ -51,11 +46,10 @@ START_TEST(a_line_ends_at_once) {
   ck_assert(g == 2 && u == 5);
   history_free(&h);
 }
-END_TEST
 
 /* gamma = f / df is -10^4 for f = -10^4 - 1, -10^4, which is the largest; beyond that, and where df
  * is 0 or not finite, all is forgotten: the next step has nothing to combine. */
-START_TEST(forgets_what_is_too_large) {
+TEST(forgets_what_is_too_large) {
   static const double f[4][2] = {{-10001, -10000}, {-10002, -10001}, {3, 3}, {1, NAN}};
   for (int k = 0; k < 4; k++) {
     history h;
@@ -75,11 +69,10 @@ START_TEST(forgets_what_is_too_large) {
     history_free(&h);
   }
 }
-END_TEST
 
 /* gamma = -10001 is shortened to -10^4, and the history goes on; what is not finite is
  * forgotten. */
-START_TEST(shortens_what_is_too_large) {
+TEST(shortens_what_is_too_large) {
   history h;
   history_make(&h, 1, 2, 1);
   h.a.shortens = 1;
@@ -93,7 +86,6 @@ START_TEST(shortens_what_is_too_large) {
   ck_assert(g == 2 && u == 5 && h.a.columns == 0);
   history_free(&h);
 }
-END_TEST
 
 /* Solves min |f - DF gamma|_2 for the n newest of the differences, DF (most_m apart), in long
  * double by normal equations and Gauss' elimination; x -= DX gamma. */
@@ -146,16 +138,14 @@ static void expect_least_squares(int m, int window, int with_u) {
       }
       ck_assert_int_eq(dlsi_anderson_step(&h.a, m, f[k], next, with_u ? next_u : NULL), k > 0);
       combine_directly(m, n, DF, f[k], DG, g[k], expected);
-      for (int i = 0; i < m; i++)
-        ck_assert_double_eq_tol(next[i], expected[i], 1e-9);
+      assert_near(next, expected, m, 1e-9);
       combine_directly(m, with_u ? n : 0, DF, f[k], DU, u[k], expected);
-      for (int i = 0; i < m; i++)
-        ck_assert_double_eq_tol(next_u[i], expected[i], 1e-9);
+      assert_near(next_u, expected, m, 1e-9);
     }
   history_free(&h);
 }
 
-START_TEST(is_least_squares) {
+TEST(is_least_squares) {
   set_seed(3);
   expect_least_squares(1, 1, 1);
   expect_least_squares(5, 3, 1);
@@ -164,12 +154,11 @@ START_TEST(is_least_squares) {
   expect_least_squares(16, 8, 1); /* every array fills its lines of memory */
   expect_least_squares(16, 8, 0);
 }
-END_TEST
 
 /* df = e_1, then e_1 + s e_2: the older column is left out where its sine is below 1e-5, although
  * gamma, of 1 and -1, is not large. f = (1, 0) after both: with the newer one alone gamma = 1 /
  * (1 + s^2), with both 1, and x = g - dg_older. */
-START_TEST(a_dependent_column_is_left_out) {
+TEST(a_dependent_column_is_left_out) {
   static const double sine[2] = {0x1p-16, 0x1p-17};
   for (int k = 0; k < 2; k++) {
     const double s = sine[k];
@@ -183,15 +172,7 @@ START_TEST(a_dependent_column_is_left_out) {
       ck_assert_int_eq(dlsi_anderson_step(&h.a, 2, f[step], x, NULL), step > 0);
     }
     /* in all digits but half of them */
-    ck_assert_double_eq_tol(x[0], k == 0 ? 0 : 8, 1e-4);
-    ck_assert_double_eq_tol(x[1], k == 0 ? 16 : 0, 1e-4);
+    assert_near(x, (double[]){k == 0 ? 0 : 8, k == 0 ? 16 : 0}, 2, 1e-4);
     history_free(&h);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("anderson", NULL, NULL, ONCE(a_line_ends_at_once), ONCE(forgets_what_is_too_large),
-             ONCE(shortens_what_is_too_large), ONCE(is_least_squares),
-             ONCE(a_dependent_column_is_left_out));
 }

@@ -1,18 +1,10 @@
 /* test_augmented.c: the augmented Lagrangian and the penalty method, on problems solved by hand, on
  * random ones, on ones without a solution, on bad input. */
-#include <check.h>
-#include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "delassus/augmented.h"
-#include "delassus/nlgs.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "doors.h"
 #include "failures.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -45,7 +37,7 @@ static dls_status solve_once(const dls_contact *p, const dls_augmented_settings 
 
 /* One candidate and k augmentations from lambda = 0. Sticking: (W + 1/eps) r_k = r_(k-1)/eps - q,
  * by Cramer; slipping: the same of r_n alone, r_t = -mu r_n. */
-START_TEST(one_candidate) {
+TEST(one_candidate) {
   static model a;
   const double eps[] = {0.5, 3, 50};
   for (int e = 0; e < 3; e++)
@@ -68,15 +60,13 @@ START_TEST(one_candidate) {
         const dls_status status = solve_once(&a.p, &s, r, u, &info);
         ck_assert(status == DLS_MAX_ITERATIONS && info.iterations == k);
         /* k solutions to 1e-15 |q| or the rounding of |W^-1| |q| */
-        ck_assert_double_eq_tol(r[0], n, 1e-13);
-        ck_assert_double_eq_tol(r[1], t, 1e-13);
+        assert_near(r, (double[]){n, t}, 2, 1e-13);
       }
     }
 }
-END_TEST
 
 /* without friction the error of the normal reaction falls by 1 / (1 + eps w) each time */
-START_TEST(factor_of_convergence) {
+TEST(factor_of_convergence) {
   static model a;
   set_hand(&a, hand_named("slip right"));
   a.mu[0] = 0;
@@ -97,11 +87,10 @@ START_TEST(factor_of_convergence) {
     }
   }
 }
-END_TEST
 
 /* (32)-(34) as the paper prints them, each candidate with its penalty: after one augmentation from
  * lambda, r is the return mapping of lambda - eps u. */
-START_TEST(return_mapping) {
+TEST_EACH(return_mapping, 0, 40) {
   static model a;
   numbered_model(&a, _i);
   const int d = a.p.d, nc = a.p.nc, m = d * nc;
@@ -132,17 +121,16 @@ START_TEST(return_mapping) {
       const double excess = trial - a.mu[c] * R[0]; /* (34), f_s */
       for (int i = 1; i < d && excess > 0; i++)
         R[i] -= excess * R[i] / trial;
-      for (int i = 0; i < d; i++) /* eps w < 3 times the residual, 1e-14 |q| or its floor */
-        ck_assert_double_eq_tol(r[d * c + i], R[i], 1e-12 * (1 + sqrt(size_q)));
+      /* eps w < 3 times the residual, 1e-14 |q| or its floor */
+      assert_near(r + d * c, R, d, 1e-12 * (1 + sqrt(size_q)));
     }
     memcpy(lambda, r, sizeof r);
   }
 }
-END_TEST
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
-START_TEST(other_solution) { /* C1 from nothing, and from its sticking solution: it stays */
+TEST(other_solution) { /* C1 from nothing, and from its sticking solution: it stays */
   static model a;
   set_hand(&a, &ambiguous_case);
   dls_augmented_settings s = augmented_tol(1e-12);
@@ -156,9 +144,8 @@ START_TEST(other_solution) { /* C1 from nothing, and from its sticking solution:
   ck_assert_int_eq(solve_once(&a.p, &s, r, NULL, &info), DLS_OK);
   ck_assert(r[0] == 2 && r[1] == -3 && info.iterations == 0);
 }
-END_TEST
 
-START_TEST(start_too_far) { /* W r overflows */
+TEST(start_too_far) { /* W r overflows */
   static model a;
   set_hand(&a, hand_named("stick"));
   dls_augmented_settings s = augmented_tol(1e-12);
@@ -170,11 +157,10 @@ START_TEST(start_too_far) { /* W r overflows */
   ck_assert_int_eq(solve_once(&a.p, &s, r2, NULL, &info2), DLS_OK);
   ck_assert_mem_eq(r, r2, sizeof r);
 }
-END_TEST
 
 /* ---- no solution ----------------------------------------------------------------------------- */
 
-START_TEST(no_solution_gives_a_direction) {
+TEST_EACH(no_solution_gives_a_direction, 0, jammed_count) {
   const hand_case *k = &jammed[_i];
   static model a;
   set_hand(&a, k);
@@ -204,10 +190,9 @@ START_TEST(no_solution_gives_a_direction) {
   }
   dls_augmented_destroy(work);
 }
-END_TEST
 
 /* Reactions run away at a candidate however small its W is beside that of another one. */
-START_TEST(a_light_candidate_runs_away) {
+TEST(a_light_candidate_runs_away) {
   static model a;
   const double w = 0x1p-40;
   set_model(&a, 2, 2);
@@ -230,12 +215,11 @@ START_TEST(a_light_candidate_runs_away) {
     ck_assert_double_eq_tol(delta[k], k < 2 ? 0 : 5 - 2 * k, 1e-3);
   dls_augmented_destroy(work);
 }
-END_TEST
 
 /* (AU5) by hand: two candidates that press each other, W = (1 -1; -1 1), q = (-1, -1), run away
  * along (1, 1), whose gain is -2. A third, free one of w = 2^-20 counts as q_3 2^10 in |q|: the
  * gain is too small where 1e-4 sqrt(2) sqrt(2 + (2^10 q_3)^2) > 2, from q_3 = 13.81 on. */
-START_TEST(gain_of_a_direction) {
+TEST(gain_of_a_direction) {
   static model a;
   static const double q3[] = {0.5, 13.7, 13.9, 100};
   for (int k = 0; k < 4; k++)
@@ -260,11 +244,10 @@ START_TEST(gain_of_a_direction) {
       dls_augmented_destroy(work);
     }
 }
-END_TEST
 
 /* data/failures: solved where the line of the file says so; else a direction along which the
  * reactions run away, or, where there is a solution, it may only say that it stands still. */
-START_TEST(catalogue) {
+TEST(catalogue) {
   int problems;
   const failure *f = contact_failures(&problems);
   for (const failure *end = f + problems; f < end; f++) {
@@ -282,10 +265,9 @@ START_TEST(catalogue) {
   }
   ck_assert_int_ge(problems, 27);
 }
-END_TEST
 
 /* C4 with springs too stiff for (A2), and none softer to try; and where they may soften */
-START_TEST(too_stiff) {
+TEST(too_stiff) {
   static model a;
   set_hand(&a, &jammed[2]);
   dls_augmented_settings s = augmented_tol(1e-8);
@@ -305,11 +287,10 @@ START_TEST(too_stiff) {
   ck_assert_ptr_nonnull(dlsi_augmented_direction(work));
   dls_augmented_destroy(work);
 }
-END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-START_TEST(rank_deficient) {
+TEST_EACH(rank_deficient, 0, 24) {
   static model a;
   deficient_model(&a, _i);
   const dls_augmented_settings s = augmented_tol(1e-12);
@@ -317,9 +298,8 @@ START_TEST(rank_deficient) {
   dls_info info;
   ck_assert_int_eq(solve_once(&a.p, &s, r, NULL, &info), DLS_OK);
 }
-END_TEST
 
-START_TEST(units) {
+TEST_EACH(units, 0, 12) {
   static model a, b;
   if (_i % 2)
     deficient_model(&a, _i);
@@ -348,9 +328,8 @@ START_TEST(units) {
       ck_assert_int_eq(info2.factorisations, info.factorisations);
     }
 }
-END_TEST
 
-START_TEST(smaller_problem) { /* both come to Newton's method */
+TEST(smaller_problem) { /* both come to Newton's method */
   static model a, b;
   deficient_model(&a, 11);
   deficient_model(&b, 5);
@@ -361,12 +340,11 @@ START_TEST(smaller_problem) { /* both come to Newton's method */
   ck_assert_int_gt(info.factorisations, 0);
   expect_reuse(&the_augmented, &a, &b);
 }
-END_TEST
 
 /* A chain of candidates by blocks with more unknowns than are factorised dense, pressed and pushed:
  * as announced to create nothing is allocated, not announced the same bits. Sparse and dense
  * agree. */
-START_TEST(storage) {
+TEST(storage) {
   enum { nc = 200, m = 2 * nc };
   static double x[12 * nc], W[m * m], q[m], mu[nc], r[3][m];
   static int p[nc + 1], i[3 * nc];
@@ -408,9 +386,8 @@ START_TEST(storage) {
   for (int e = 0; e < m; e++) /* |W^-1| < 60, |q| < 20 */
     ck_assert(fabs(r[0][e] - r[1][e]) <= 1e-9);
 }
-END_TEST
 
-START_TEST(cancelled) {
+TEST(cancelled) {
   static model a;
   numbered_model(&a, 18);
   for (int cancel_at = 0; cancel_at < 3; cancel_at++) {
@@ -426,16 +403,14 @@ START_TEST(cancelled) {
     ck_assert(info.certificate.residual == w.least); /* the best of them */
   }
 }
-END_TEST
 
 /* ---- the front door -------------------------------------------------------------------------- */
 
-START_TEST(by_name) {
+TEST_EACH(by_name, 0, 20) {
   static model a;
   numbered_model(&a, _i);
   if (a.p.nc < 2) return;
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   double r[most], r2[most], u[most];
   dls_info info;
   ck_assert_int_eq(dls_method_find("augmented-lagrangian", &s.method), 1);
@@ -456,13 +431,12 @@ START_TEST(by_name) {
   s.limits.tol = 1e-4;
   ck_assert_int_eq(dls_solve(&a.p, &s, r2, NULL, &info, NULL), DLS_OK);
 }
-END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 /* The wedge that jams, c03 of data/failures: what one augmentation sees is told, and believed only
  * when others see it again. */
-START_TEST(direction_of_an_early_end) {
+TEST(direction_of_an_early_end) {
   const double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   for (int k = 1; k <= 3; k++) {
@@ -478,9 +452,8 @@ START_TEST(direction_of_an_early_end) {
     dls_augmented_destroy(work);
   }
 }
-END_TEST
 
-START_TEST(bad_create) {
+TEST(bad_create) {
   expect_bad_create(&the_augmented);
   const dls_augmented_settings good = augmented_tol(1e-8);
   dls_augmented_settings s = good;
@@ -509,11 +482,9 @@ START_TEST(bad_create) {
   refuses_to_create(&the_augmented, DLS_E_ARGUMENT, "adaptive", -1, 2, 1, &s);
   ck_assert_ptr_null(dlsi_augmented_direction(NULL));
 }
-END_TEST
 
-START_TEST(no_memory) { /* by the front door */
-  dls_solver_settings front;
-  dls_solver_settings_init(&front);
+TEST(no_memory) { /* by the front door */
+  dls_solver_settings front = settings_with(DLS_AUTO, default_tol);
   for (int penalty = 0; penalty < 2; penalty++) {
     dls_error error;
     dls_solver *solver;
@@ -521,15 +492,4 @@ START_TEST(no_memory) { /* by the front door */
     MALLOCS_FAIL(dls_solver_create(&solver, 3, 10, &front, &error), !solver, DLS_OK, 2);
     dls_solver_destroy(solver);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("augmented", NULL, NULL, ONCE(one_candidate), ONCE(factor_of_convergence),
-             EACH(return_mapping, 0, 40), ONCE(other_solution), ONCE(start_too_far),
-             EACH(no_solution_gives_a_direction, 0, jammed_count),
-             ONCE(a_light_candidate_runs_away), ONCE(gain_of_a_direction), ONCE(catalogue),
-             ONCE(too_stiff), EACH(rank_deficient, 0, 24), EACH(units, 0, 12),
-             ONCE(smaller_problem), ONCE(storage), ONCE(cancelled), EACH(by_name, 0, 20),
-             ONCE(direction_of_an_early_end), ONCE(bad_create), ONCE(no_memory));
 }

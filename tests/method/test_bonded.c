@@ -1,10 +1,6 @@
 /* test_bonded.c: infinite friction, and outputs that overlap the problem. */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "delassus.h"
+#include "made.h"
 #include "run.h"
 
 enum { most = 3 * 12 };
@@ -45,10 +41,7 @@ static void fill(random_problem *a, int d, int nc, unsigned seed) {
 
 static dls_status solve(const dls_contact *p, dls_method method, double *r, double *u,
                         dls_info *info, dls_error *error) {
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = method;
-  settings.limits.tol = 1e-10;
+  dls_solver_settings settings = settings_with(method, 1e-10);
   return dls_solve(p, &settings, r, u, info, error);
 }
 
@@ -56,7 +49,7 @@ static const dls_method able[] = {DLS_AUTO, DLS_NLGS, DLS_NEWTON, DLS_ADMM,
                                   DLS_AUGMENTED_LAGRANGIAN};
 
 /* Each method that can gives the answer that meets the law: pressed and stuck, or r = 0. */
-START_TEST(bonded_sticks_while_pressed) {
+TEST_EACH(bonded_sticks_while_pressed, 0, 20) {
   const int d = _i % 2 ? 3 : 2, nc = 12, m = d * nc;
   static random_problem a;
   fill(&a, d, nc, (unsigned)_i + 1);
@@ -87,10 +80,9 @@ START_TEST(bonded_sticks_while_pressed) {
   }
   ck_assert_int_gt(pressed, 0);
 }
-END_TEST
 
 /* A friction that is large enough for none to slip has the same answer. */
-START_TEST(as_a_large_friction) {
+TEST(as_a_large_friction) {
   static random_problem a;
   double r[most], large[most];
   fill(&a, 2, 4, 5);
@@ -100,15 +92,13 @@ START_TEST(as_a_large_friction) {
   for (int c = 0; c < 4; c++)
     a.mu[c] = 50;
   ck_assert_int_eq(solve(&a.p, DLS_AUTO, large, NULL, NULL, NULL), DLS_OK);
-  for (int i = 0; i < 8; i++)
-    ck_assert_double_eq_tol(r[i], large[i], 1e-8);
+  assert_near(r, large, 8, 1e-8);
 }
-END_TEST
 
 /* A wedge that jams (c03 of data/failures) beside two candidates apart, one of which is bonded: no
  * method of auto solves it, and nothing is denied, though Lemke's method, which sees a finite
  * friction, ends with a proof for that one. */
-START_TEST(nothing_is_denied_beside_a_bond) {
+TEST_EACH(nothing_is_denied_beside_a_bond, 0, 3) {
   static random_problem a;
   double r[most];
   dls_info info;
@@ -129,10 +119,9 @@ START_TEST(nothing_is_denied_beside_a_bond) {
     pivoted += info.stage[k].method == DLS_LEMKE;
   ck_assert_int_ge(pivoted, 1);
 }
-END_TEST
 
 /* The others say so. */
-START_TEST(methods_that_cannot) {
+TEST(methods_that_cannot) {
   static random_problem a;
   static const dls_method unable[] = {DLS_LEMKE, DLS_HOMOTOPY};
   double r[most], M[1];
@@ -159,10 +148,16 @@ START_TEST(methods_that_cannot) {
   ck_assert_int_eq(dls_contact_check(&a.p, &error), DLS_E_NOT_FINITE);
   ck_assert_int_eq(error.index, 2);
 }
-END_TEST
 
 /* Every method refuses r and u on top of each other or of the problem, and touches neither. */
-START_TEST(overlaps) {
+static int methods(void) {
+  int count = 0;
+  while (dls_method_name((dls_method)count))
+    count++;
+  return count;
+}
+
+TEST_EACH(overlaps, 0, methods()) {
   static random_problem a;
   double apart[most] = {0}, both[2 * most] = {0};
   dls_error error;
@@ -186,10 +181,9 @@ START_TEST(overlaps) {
   ck_assert_int_eq(dls_contact_certify(&a.p, both, both + 7, &c, &error), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_contact_certify(&a.p, apart, a.q, &c, &error), DLS_E_ARGUMENT);
 }
-END_TEST
 
 /* A lower triangle of K under DLS_LU, dense and sparse. */
-START_TEST(triangles) {
+TEST(triangles) {
   const double full[] = {3, 1, 1, 2}, lower[] = {3, 1, 0, 2}, upper[] = {3, 0, 1, 2};
   const int p[] = {0, 2, 4}, i[] = {0, 1, 0, 1};
   const double *const K[] = {full, lower, upper};
@@ -204,14 +198,4 @@ START_TEST(triangles) {
     model.triangular = 1;
     ck_assert_int_eq(dls_model_check(&model, &error), DLS_OK);
   }
-}
-END_TEST
-
-int main(void) {
-  int methods = 0;
-  while (dls_method_name((dls_method)methods))
-    methods++;
-  return RUN("bonded", NULL, NULL, EACH(bonded_sticks_while_pressed, 0, 20),
-             ONCE(as_a_large_friction), EACH(nothing_is_denied_beside_a_bond, 0, 3),
-             ONCE(methods_that_cannot), ONCE(triangles), EACH(overlaps, 0, methods));
 }

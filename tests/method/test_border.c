@@ -1,9 +1,4 @@
 /* test_border.c: a Newton step with the factors of other states, against its own matrix. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "run.h"
 #include "vi/newton/border.h"
@@ -106,7 +101,7 @@ static int border_start(dlsi_border *border, dlsi_dense *factors, dlsi_branch *b
 }
 
 /* Changes two candidates at a time, some of them more than once, until there is no room. */
-START_TEST(solves_for_other_states) {
+TEST_EACH(solves_for_other_states, 0, 48) {
   static double M[most_rows * most_rows];
   dlsi_branch base[nc], now[nc];
   double x[most_rows], right[most_rows];
@@ -141,13 +136,12 @@ START_TEST(solves_for_other_states) {
   }
   ck_assert_int_ge(turns, 2);
 }
-END_TEST
 
 /* Directions of slip that turn a little and an l that changes need no unknown more where factors
  * may serve loosely: what the solution leaves of its right side is of the size of the turn, and
  * nothing comes of a change of l on a W that does not couple. A direction that turns far needs
  * some. */
-START_TEST(serves_loosely) {
+TEST_EACH(serves_loosely, 0, 2) {
   static double M[most_rows * most_rows];
   const double turn = _i ? 0 : 0.02, stretch = _i ? 3 : 1;
   dlsi_branch base[nc], now[nc];
@@ -188,11 +182,10 @@ START_TEST(serves_loosely) {
   ck_assert_int_eq(dlsi_border_add(&border, &p, &factors, now), 1);
   ck_assert_int_eq(border.k, 2);
 }
-END_TEST
 
 /* W = 1 but for two contacts with the same rows and columns: where both press, S = 1 - 1 = 0 is not
  * rounded, the matrix is singular, and x stays. */
-START_TEST(singular_states) {
+TEST(singular_states) {
   dlsi_branch b[nc];
   double x[most_rows], before[most_rows];
   set_seed(521288629);
@@ -213,10 +206,9 @@ START_TEST(singular_states) {
   ck_assert_int_eq(dlsi_border_solve(&border, &factors, b, w, NULL, 0, x), 0);
   ck_assert_mem_eq(x, before, (size_t)m * sizeof *x);
 }
-END_TEST
 
 /* No room: nothing fits, and the factors serve as they are. */
-START_TEST(without_room) {
+TEST(without_room) {
   double A[4] = {4, 0, 0, 4}, x[2] = {2, 2};
   int pivot[2];
   const dlsi_branch b[2] = {{.state = DLS_SLIP, .count = 1},
@@ -232,10 +224,4 @@ START_TEST(without_room) {
   ck_assert_int_eq(dlsi_border_add(&border, &problem, &factors, b), 1);
   ck_assert_int_eq(dlsi_border_solve(&border, &factors, b, one, NULL, 0, x), 1);
   ck_assert(x[0] == .5 && x[1] == .5);
-}
-END_TEST
-
-int main(void) {
-  return RUN("border", NULL, NULL, EACH(solves_for_other_states, 0, 48), EACH(serves_loosely, 0, 2),
-             ONCE(singular_states), ONCE(without_room));
 }

@@ -1,15 +1,11 @@
 /* test_cone.c: the algebra of the Lorentz cone, and the scales that make friction cones such. */
 #include "vi/cone.h"
 
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "run.h"
 
 /* x o y by hand, and back; x_0^2 - |x_1|^2. */
-START_TEST(products) {
+TEST(products) {
   const double x[3] = {4, 1, 2}, y[3] = {3, -1, 5}, of_3[3] = {21, -1, 26}, of_2[2] = {11, -1};
   double z[3] = {7, 7, 7}, back[3] = {7, 7, 7};
   ck_assert(dlsi_cone_dot(3, x, y) == 21 && dlsi_cone_dot(2, x, y) == 11);
@@ -20,15 +16,13 @@ START_TEST(products) {
   dlsi_cone_product(3, x, y, z);
   ck_assert_mem_eq(z, of_3, sizeof z);
   dlsi_cone_divide(3, x, z, back);
-  for (int i = 0; i < 3; i++)
-    ck_assert_double_eq_tol(back[i], y[i], 1e-15);
+  assert_near(back, y, 3, 1e-15);
   const double far[3] = {7, 3, 4};
   ck_assert(dlsi_cone_det(2, x) == 15 && dlsi_cone_det(3, far) == 24);
 }
-END_TEST
 
 /* P x = P^-1 z, P^-1 P = 1, and P is eta [w_0, w_1'; w_1, I + w_1 w_1' / (1 + w_0)]. */
-START_TEST(scaling_of_nesterov_and_todd) {
+TEST(scaling_of_nesterov_and_todd) {
   set_seed(3);
   for (int trial = 0; trial < 50; trial++) {
     const int d = 2 + trial % 2;
@@ -55,10 +49,9 @@ START_TEST(scaling_of_nesterov_and_todd) {
     }
   }
 }
-END_TEST
 
 /* On the border, and in the opposite cone, of either vector. */
-START_TEST(not_inside) {
+TEST(not_inside) {
   static const double in[2] = {5, 3}, out[3][2] = {{5, 5}, {-5, 3}, {3, -5}};
   double eta, w[2];
   for (int k = 0; k < 3; k++)
@@ -67,10 +60,9 @@ START_TEST(not_inside) {
   ck_assert(!dlsi_cone_between(2, out[1], out[1], &eta, w));
   ck_assert(dlsi_cone_between(2, in, in, &eta, w) && eta == 1 && w[0] == 1 && w[1] == 0);
 }
-END_TEST
 
 /* From (2, 0): across the border, through the apex, along a side, out through it, never. */
-START_TEST(largest_step) {
+TEST(largest_step) {
   static const double dx[8][2] = {{-1, 1}, {0, 1},   {1, 2}, {-1, 0},
                                   {1, 1},  {-1, -1}, {1, 0}, {-4, .5}};
   static const double step[8] = {1, 2, 2, 2, INFINITY, 1, INFINITY, 4 / 9.};
@@ -86,11 +78,10 @@ START_TEST(largest_step) {
   ck_assert(dlsi_cone_step(3, x, to_4) == 8 && dlsi_cone_step(3, x, back) == 8);
   ck_assert(dlsi_cone_step(3, x, up) == 4);
 }
-END_TEST
 
 /* (1/mu, 1, 1), or (1, 0, 0): the means of the scaled diagonals are 1, 4 and 0, of which the
  * first gets 4, too, and the last one, which has none, stays. */
-START_TEST(scales_by_hand) {
+TEST(scales_by_hand) {
   const double diagonal[9] = {.25, 1, 1, 12, 5, 6, 0, 0, 0}, mu[3] = {.5, 0, 2};
   static const double expected[9] = {4, 2, 2, 1, 0, 0, .5, 1, 1};
   double W[81], S[10], scratch[4];
@@ -99,13 +90,6 @@ START_TEST(scales_by_hand) {
   S[9] = scratch[3] = 7;
   const dls_contact problem = {.d = 3, .nc = 3, .W = {9, 9, 9, W}, .mu = mu};
   ck_assert_double_eq_tol(dlsi_cone_scales(&problem, scratch, S), 4, 1e-15);
-  for (int i = 0; i < 9; i++)
-    ck_assert_double_eq_tol(S[i], expected[i], 1e-15);
+  assert_near(S, expected, 9, 1e-15);
   ck_assert(S[9] == 7 && scratch[3] == 7);
-}
-END_TEST
-
-int main(void) {
-  return RUN("cone", NULL, NULL, ONCE(products), ONCE(scaling_of_nesterov_and_todd),
-             ONCE(not_inside), ONCE(largest_step), ONCE(scales_by_hand));
 }

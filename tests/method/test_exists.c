@@ -1,6 +1,4 @@
 /* test_exists.c: what W alone proves about solutions (vi/exists.c), on matrices worked by hand. */
-#include <check.h>
-
 #include "cases.h"
 #include "run.h"
 #include "vi/vi_internal.h"
@@ -20,17 +18,11 @@ static const solvable hands[] = {
     {{-1, 0, 0, -1}, 0, 0, 0},    {{0, 0, 0, 0}, 0, 0, 1}, /* a shift makes it definite */
 };
 
-START_TEST(what_one_candidate_tells) {
+TEST_EACH(what_one_candidate_tells, 0, sizeof hands / sizeof hands[0]) {
   const solvable *h = &hands[_i];
   const double q[2] = {-1, 0}, w[1] = {1};
   double J[4], room[4][2], *const v[4] = {room[0], room[1], room[2], room[3]};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, h->W}, .q = q, .mu = &h->mu};
   ck_assert_int_eq(dlsi_solution_exists(&p, w, J, v), h->exists);
   ck_assert_int_eq(dlsi_is_semidefinite(&p, w, J), h->semidefinite);
-}
-END_TEST
-
-int main(void) {
-  return RUN("exists", NULL, NULL,
-             EACH(what_one_candidate_tells, 0, sizeof hands / sizeof hands[0]));
 }

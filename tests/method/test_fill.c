@@ -1,9 +1,4 @@
 /* test_fill.c: the fill that is foreseen from the graph of the bodies (vi/split/fill.c). */
-#include <check.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"
 #include "vi/vi_internal.h"
@@ -19,17 +14,16 @@ static double foreseen(const char *kind, int candidates) {
 
 /* The cut of a chain is one joint of any length: 2 contacts of 2 unknowns, 3 motions. A pile of
  * balls n times as wide has n^2 contacts across: n^6 operations. */
-START_TEST(graphs) {
+TEST(graphs) {
   ck_assert_double_le(foreseen("chain", 2000), 4 * 4 * 4 * 4);
   ck_assert(foreseen("chain", 2000) == foreseen("chain", 200));
   const double ratio = foreseen("balls-rest", 1600) / foreseen("balls-rest", 200);
   ck_assert_double_ge(ratio, 20);
   ck_assert_double_le(ratio, 200);
 }
-END_TEST
 
 /* The order of the contacts and of the bodies of a pair does not matter. */
-START_TEST(order) {
+TEST(order) {
   rigid a;
   ck_assert_int_eq(rigid_create(&a, "wall-pushed", 500, 0.5, 2), 0);
   const size_t nc = (size_t)a.contact.nc;
@@ -43,9 +37,8 @@ START_TEST(order) {
   free(body);
   rigid_free(&a);
 }
-END_TEST
 
-START_TEST(no_memory) {
+TEST(no_memory) {
   rigid a;
   ck_assert_int_eq(rigid_create(&a, "balls-rest", 500, 0.5, 2), 0);
   malloc_fails_at(1);
@@ -53,9 +46,4 @@ START_TEST(no_memory) {
   malloc_fails_at(0);
   ck_assert(flops == 0);
   rigid_free(&a);
-}
-END_TEST
-
-int main(void) {
-  return RUN("fill", NULL, NULL, ONCE(graphs), ONCE(order), ONCE(no_memory));
 }

@@ -1,8 +1,4 @@
 /* test_frames.c: the stiffness in the frames of the contact nodes, by hand. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -54,7 +50,7 @@ static void node_make(one_node *s, int sparse) {
 static const double turned[n][n] = {
     {8, 1, 0, 0}, {1, 11.5, -7.5, -1}, {0, -7.5, 16, 2}, {0, -1, 2, 7}};
 
-START_TEST(a_frame_by_hand) {
+TEST(a_frame_by_hand) {
   for (int sparse = 0; sparse < 2; sparse++) {
     one_node s;
     node_make(&s, sparse);
@@ -83,10 +79,9 @@ START_TEST(a_frame_by_hand) {
     dlsi_frames_free(&a);
   }
 }
-END_TEST
 
 /* f' = T^T f, x = T x', x' = T^-1 x = B^T x, in place and not. */
-START_TEST(vectors_by_hand) {
+TEST(vectors_by_hand) {
   static const double from[n] = {3, 4, 6, 5};
   static const double expected[3][n] = {{3, 1, 4, 5}, {3, 4, 2, 5}, {3, 12, 10, 5}};
   void (*const turn[3])(const dlsi_frames *, const double *, double *) = {
@@ -105,7 +100,6 @@ START_TEST(vectors_by_hand) {
   }
   dlsi_frames_free(&a);
 }
-END_TEST
 
 static void expect_refused(const one_node *s, dls_status status, const char *argument, int index,
                            const char *says) {
@@ -118,7 +112,7 @@ static void expect_refused(const one_node *s, dls_status status, const char *arg
 }
 
 /* n and t of an angle: 1e-8 of their lengths is too little, twice as much is not. */
-START_TEST(nearly_parallel) {
+TEST(nearly_parallel) {
   one_node s;
   dlsi_frames a;
   for (int k = 0; k < 2; k++) {
@@ -136,10 +130,9 @@ START_TEST(nearly_parallel) {
   ck_assert(a.normal[0] == 2 && a.tangent[0] == 1);
   dlsi_frames_free(&a);
 }
-END_TEST
 
 /* The pivot K'_tt - K'_nt^2 / K'_nn of the node, 0 and 1/16; the number is that of the tangent. */
-START_TEST(pivot_within_a_node) {
+TEST(pivot_within_a_node) {
   one_node s;
   dlsi_frames a;
   for (int k = 0; k < 2; k++) {
@@ -161,10 +154,9 @@ START_TEST(pivot_within_a_node) {
   s.K[1 + ld * 1] = 0;
   expect_refused(&s, DLS_E_NOT_POSITIVE_DEFINITE, "K", 1, "diagonal entry of unknown 1 is 0");
 }
-END_TEST
 
 /* A third unknown of HN, of HT; none at all; one alone, of both. */
-START_TEST(unknowns_of_a_node) {
+TEST(unknowns_of_a_node) {
   one_node s;
   node_make(&s, 0);
   s.nx[0] = 1;
@@ -178,10 +170,4 @@ START_TEST(unknowns_of_a_node) {
   node_make(&s, 0);
   s.nx[2] = s.tx[0] = s.tx[2] = 0;
   expect_refused(&s, DLS_E_UNSUPPORTED, "HT", 0, "parallel");
-}
-END_TEST
-
-int main(void) {
-  return RUN("frames", NULL, NULL, ONCE(a_frame_by_hand), ONCE(vectors_by_hand),
-             ONCE(nearly_parallel), ONCE(pivot_within_a_node), ONCE(unknowns_of_a_node));
 }

@@ -1,13 +1,7 @@
 /* test_groups.c: sweeps over groups of eight candidates (groups.c, groups_sweep.c). */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "rigid.h"
 #include "run.h"
 #include "vi/sweep/groups.h"
@@ -45,7 +39,7 @@ static int are_coupled(const dls_contact *p, int a, int b) {
 }
 
 /* Each candidate stands in one lane, and the eight of a group share nothing. */
-START_TEST(groups_share_nothing) {
+TEST_EACH(groups_share_nothing, 0, 8) {
   const dls_contact *p = groups_make(_i, 1200);
   dlsi_groups g = {.count = 0};
   int *seen = calloc((size_t)p->nc, sizeof *seen);
@@ -64,10 +58,9 @@ START_TEST(groups_share_nothing) {
   dlsi_groups_free(&g);
   rigid_free(&made);
 }
-END_TEST
 
 /* Registers of 1, 2, 4 and 8 lanes give the same bits of r, v and u. */
-START_TEST(bits_do_not_depend_on_lanes) {
+TEST_EACH(bits_do_not_depend_on_lanes, 0, 8) {
   const dls_contact *p = groups_make(_i, 1200);
   const size_t m = (size_t)p->d * (size_t)p->nc, n = 6 * (size_t)made.bodies;
   double *r[4], *v[4], *u[4];
@@ -101,18 +94,15 @@ START_TEST(bits_do_not_depend_on_lanes) {
     free(r[k]);
   rigid_free(&made);
 }
-END_TEST
 
 /* A visit gives each candidate of a group the exact local solution, once its l has settled: a
  * fixed point of these sweeps is one of sweeps one by one. */
-START_TEST(fixed_points_are_those_of_one_by_one) {
+TEST_EACH(fixed_points_are_those_of_one_by_one, 4, 6) {
   const dls_contact *p = groups_make(_i, 600);
   double *r = calloc((size_t)(p->d * p->nc), sizeof *r);
-  dls_solver_settings s;
   dls_info info;
   ck_assert_ptr_nonnull(r);
-  dls_solver_settings_init(&s);
-  s.method = DLS_NLGS;
+  dls_solver_settings s = settings_with(DLS_NLGS, default_tol);
   s.acceleration = DLS_ACCELERATION_MOMENTUM;
   s.limits.max_iterations = 200000;
   s.limits.tol = 1e-6;
@@ -121,10 +111,9 @@ START_TEST(fixed_points_are_those_of_one_by_one) {
   free(r);
   rigid_free(&made);
 }
-END_TEST
 
 /* Candidates with mu = infinity, mu = 0 and a block that is not positive definite take local.c. */
-START_TEST(odd_candidates) {
+TEST_EACH(odd_candidates, 0, 3) {
   enum { nc = 800 };
   static double x[9 * nc], q[3 * nc], mu[nc], r[3 * nc], s[3];
   static int p[nc + 1], i[nc];
@@ -156,11 +145,10 @@ START_TEST(odd_candidates) {
   }
   dlsi_groups_free(&g);
 }
-END_TEST
 
 /* A workspace for many candidates gives each problem the bits that a new one gives, while
  * candidates come and go, W changes or is given in the other storage. */
-START_TEST(structure_that_changes) {
+TEST_EACH(structure_that_changes, 0, 2) {
   static const int sizes[] = {1500, 900, 900, 1400, 300, 1500};
   dls_nlgs *work;
   dls_nlgs_settings settings;
@@ -189,10 +177,9 @@ START_TEST(structure_that_changes) {
   }
   dls_nlgs_destroy(work);
 }
-END_TEST
 
 /* Each allocation fails in turn; then all goes well in the same workspace. */
-START_TEST(memory_of_groups) {
+TEST_EACH(memory_of_groups, 0, 2) {
   const dls_contact *p = groups_make(_i, 700);
   double *r = calloc((size_t)(p->d * p->nc), sizeof *r);
   dls_nlgs_settings settings;
@@ -205,12 +192,4 @@ START_TEST(memory_of_groups) {
   dls_nlgs_destroy(work);
   free(r);
   rigid_free(&made);
-}
-END_TEST
-
-int main(void) {
-  return RUN("groups", NULL, NULL, EACH(groups_share_nothing, 0, 8),
-             EACH(bits_do_not_depend_on_lanes, 0, 8),
-             EACH(fixed_points_are_those_of_one_by_one, 4, 6), EACH(odd_candidates, 0, 3),
-             EACH(structure_that_changes, 0, 2), EACH(memory_of_groups, 0, 2));
 }

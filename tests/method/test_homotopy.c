@@ -1,12 +1,10 @@
 /* test_homotopy.c: the interior homotopy by itself. */
-#include <check.h>
-
 #include "front_cases.h"
 #include "run.h"
 
 /* Planted problems of low rank and large friction, of which the first ten starts leave some: drawn
  * ones lead to all (HO8). */
-START_TEST(drawn_starts_reach_planted_solutions) {
+TEST(drawn_starts_reach_planted_solutions) {
   static planted_problem a;
   const dls_solver_settings settings = settings_of(DLS_HOMOTOPY);
   double r[3 * PLANTED];
@@ -18,9 +16,4 @@ START_TEST(drawn_starts_reach_planted_solutions) {
     later += info.factorisations > 10 * 500;
   }
   ck_assert_int_ge(later, 2);
-}
-END_TEST
-
-int main(void) {
-  return RUN("homotopy", NULL, NULL, ONCE(drawn_starts_reach_planted_solutions));
 }

@@ -1,7 +1,4 @@
 /* test_iterate.c: which of two iterates is the better answer. */
-#include <check.h>
-#include <math.h>
-
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -15,32 +12,29 @@ static void first_is_better(dls_certificate a, dls_certificate b) {
   ck_assert(dlsi_is_better(&a, &b) && !dlsi_is_better(&b, &a));
 }
 
-START_TEST(the_larger_part_decides) {
+TEST(the_larger_part_decides) {
   first_is_better(of(1e-9, 1e-8, 1e-16), of(1e-9, 1e-7, 1e-16));
   first_is_better(of(1e-8, 1e-9, 1e-16), of(1e-7, 1e-9, 1e-16));
   first_is_better(of(1e-8, 1e-8, 1e-16), of(1e-12, 1e-7, 1e-16));
   const dls_certificate c = of(1e-8, 1e-9, 1e-16);
   ck_assert(!dlsi_is_better(&c, &c));
 }
-END_TEST
 
 /* r = 1e16 in the null space of W, say: all rounding, its residual 0. */
-START_TEST(a_runaway_never_wins) {
+TEST(a_runaway_never_wins) {
   first_is_better(of(1e-9, 1e-9, 1e-15), of(0, 0, 1));
   first_is_better(of(1e-3, 1e-3, 1e-15), of(0, 0, 1e-3));
   first_is_better(of(0, 0, 1e-12), of(1e-3, 1e-3, 1e-15));
 }
-END_TEST
 
 /* Far from the answer the residual of forces is 1 for all. */
-START_TEST(positions_decide_between_equals) {
+TEST(positions_decide_between_equals) {
   first_is_better(of(0.1, 3, 1e-16), of(0.5, 7, 1e-16));
   const dls_certificate zero = of(0.5, INFINITY, 1e-16);
   ck_assert(zero.residual_r == 1 && zero.residual == 1);
 }
-END_TEST
 
-START_TEST(nan_never_wins) {
+TEST(nan_never_wins) {
   first_is_better(of(9, 9, 1e-16), of(NAN, 0, 1e-16));
   first_is_better(of(9, 9, 1e-16), of(0, NAN, 1e-16));
   first_is_better(of(9, 9, 1e-16), of(0, 0, NAN));
@@ -48,10 +42,4 @@ START_TEST(nan_never_wins) {
   const dls_certificate bad = of(NAN, NAN, NAN), infinite = of(INFINITY, 0, 0);
   ck_assert(!dlsi_is_better(&bad, &dlsi_no_certificate));
   ck_assert(!dlsi_is_better(&infinite, &dlsi_no_certificate));
-}
-END_TEST
-
-int main(void) {
-  return RUN("iterate", NULL, NULL, ONCE(the_larger_part_decides), ONCE(a_runaway_never_wins),
-             ONCE(positions_decide_between_equals), ONCE(nan_never_wins));
 }

@@ -1,12 +1,5 @@
 /* test_joints.c: W + R on the motions of the joints, against W + R itself. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "close.h"
-#include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"
 #include "vi/split/joints.h"
@@ -59,7 +52,7 @@ static void pair_apply(const pair *s, const double *x, double *y) {
 }
 
 /* (W + R) x = R p - q for a q in the range of W: of walls and towers on half of the unknowns. */
-START_TEST(solves) {
+TEST_EACH(solves, 0, 6) {
   static const struct {
     const char *kind;
     int size;
@@ -91,10 +84,9 @@ START_TEST(solves) {
     pair_free(&s);
   }
 }
-END_TEST
 
 /* What is not in the range of W stays, and W that is not symmetric is no structure. */
-START_TEST(splits_and_refuses) {
+TEST(splits_and_refuses) {
   pair s = pair_build("wall3-rest", 300);
   dlsi_joints *work;
   ck_assert_int_eq(dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL), DLS_OK);
@@ -109,11 +101,10 @@ START_TEST(splits_and_refuses) {
   ck_assert_ptr_null(work);
   pair_free(&s);
 }
-END_TEST
 
 /* The first candidate has more neighbours than any other: (W + R) x = R p - q of
  * W = (2 1 1 1; 1 2 0 0; 1 0 2 0; 1 0 0 2), R = 1, q = 0, p = W (1, 2, 3, 4) + (1, 2, 3, 4). */
-START_TEST(a_star) {
+TEST(a_star) {
   static const int p[5] = {0, 4, 6, 8, 10}, i[10] = {0, 1, 2, 3, 0, 1, 0, 2, 0, 3};
   static const double x[10] = {2, 1, 1, 1, 1, 2, 1, 2, 1, 2}, ones[4] = {1, 1, 1, 1}, q[4] = {0};
   static const double to[4] = {12, 7, 10, 13};
@@ -128,10 +119,9 @@ START_TEST(a_star) {
     ck_assert_msg(fabs(found[k] - (k + 1)) <= 1e-12, "%d: %g", k, found[k]);
   dlsi_joints_destroy(work);
 }
-END_TEST
 
 /* A rho < 0 is a pivot that is not positive, of the first unknown of its joint. */
-START_TEST(joints_of_negative_rho) {
+TEST(joints_of_negative_rho) {
   pair s = pair_build("wall3-rest", 300);
   dlsi_joints *work;
   int tried = 0;
@@ -151,9 +141,8 @@ START_TEST(joints_of_negative_rho) {
   dlsi_joints_destroy(work);
   pair_free(&s);
 }
-END_TEST
 
-START_TEST(joints_without_memory) {
+TEST(joints_without_memory) {
   pair s = pair_build("wall3-rest", 200);
   dlsi_joints *work = NULL;
   MALLOCS_FAIL(dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL), !work, DLS_OK, 11);
@@ -163,10 +152,8 @@ START_TEST(joints_without_memory) {
   dlsi_joints_destroy(work);
   pair_free(&s);
 }
-END_TEST
 
 int main(void) {
   if (!WITH_MUMPS) return 0;
-  return RUN("joints", NULL, NULL, EACH(solves, 0, 6), ONCE(splits_and_refuses),
-             ONCE(joints_of_negative_rho), ONCE(joints_without_memory), ONCE(a_star));
+  return run_tests("joints", NULL, NULL);
 }

@@ -2,11 +2,8 @@
  * test_lanes.c: sweeps over eight small problems at once: on problems whose sweeps contract each
  * lane reaches the requested certificate, whatever the others do.
  */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-
 #include "cases.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -23,7 +20,7 @@ static void contracting_model(model *a, int d, int nc) {
     a->mu[c] = c % 4 == 3 ? 0 : 0.4 + 0.3 * uniform();
 }
 
-START_TEST(each_lane_arrives) {
+TEST_EACH(each_lane_arrives, 0, 96) {
   static model a[dlsi_lanes];
   dls_contact problem[dlsi_lanes];
   const int d = 1 + _i % 3, nc = 1 + _i / 3 % dlsi_lane_candidates, count = 1 + _i % dlsi_lanes;
@@ -40,9 +37,8 @@ START_TEST(each_lane_arrives) {
   ck_assert_int_ge(sweeps, 1);
   for (int k = 0; k < count; k++) {
     double r[3 * dlsi_lane_candidates];
-    dls_certificate c;
     dlsi_lane_get(work, k, d, r);
-    ck_assert_int_eq(dls_contact_certify(&problem[k], r, NULL, &c, NULL), DLS_OK);
+    const dls_certificate c = certificate_of(&problem[k], r);
     ck_assert_msg(dls_certificate_holds(&c, tol), "d = %d, nc = %d, lane %d of %d: %g", d, nc, k,
                   count, c.residual);
     for (int i = 0; i < nc; i++) {
@@ -53,11 +49,10 @@ START_TEST(each_lane_arrives) {
   if (d > 1 && nc * count > 20) ck_assert(states[0] && states[2]);
   free(work);
 }
-END_TEST
 
 /* Candidates apart from each other, free, sticking and without friction, are solved by one sweep;
  * the next one, after which the sweeps look, finds that nothing moves. q = 0 in some lanes. */
-START_TEST(ends_at_the_first_look) {
+TEST(ends_at_the_first_look) {
   static model a[dlsi_lanes];
   dls_contact problem[dlsi_lanes];
   dlsi_lane_work *work = dlsi_lane_create();
@@ -90,11 +85,10 @@ START_TEST(ends_at_the_first_look) {
     }
   free(work);
 }
-END_TEST
 
 /* C11 in one lane, whose sweeps cycle: the limit, wherever it
  * stands beside others with q = 0. */
-START_TEST(goes_on_while_a_lane_moves) {
+TEST(goes_on_while_a_lane_moves) {
   static model a[2];
   dls_contact problem[dlsi_lanes];
   dlsi_lane_work *work = dlsi_lane_create();
@@ -110,13 +104,12 @@ START_TEST(goes_on_while_a_lane_moves) {
   }
   free(work);
 }
-END_TEST
 
 /* Two candidates of each lane pressed, without friction: the sweeps that follow, r_c := (-q_c -
  * W_cb r_b) / W_cc, and every second one |w dr| <= tol |q| / 4 and |dr| <= tol |r| / 4 in all
  * lanes; W_cc = unit diag(1, 3, 5), so that w = d unit. Lane `at` moves, the others do not, or all
  * move, each at its own pace and in its own units. */
-START_TEST(looks_by_hand) {
+TEST_EACH(looks_by_hand, 0, 24) {
   static const double coupling[] = {0x1p-12, 0x1p-11, 0.5, -0.5, -0.9, 0.75, -0.75, -0.25};
   const double tol = 1e-3, least = tol * tol / 16;
   const int d = 1 + _i / 8, m = 2 * d;
@@ -161,10 +154,9 @@ START_TEST(looks_by_hand) {
   }
   free(work);
 }
-END_TEST
 
 /* One lane slips, W = 1, q = (-1, 5, 0) and mu = 1, the others are free. */
-START_TEST(one_lane_slips) {
+TEST(one_lane_slips) {
   static model a[2];
   dls_contact problem[dlsi_lanes];
   dlsi_lane_work *work = dlsi_lane_create();
@@ -185,17 +177,9 @@ START_TEST(one_lane_slips) {
       for (int l = 0; l < dlsi_lanes; l++) {
         double r[3] = {7, 7, 0};
         dlsi_lane_get(work, l, d, r);
-        ck_assert_double_eq_tol(r[0], l == at, 1e-15);
-        ck_assert_double_eq_tol(r[1], -(l == at), 1e-15);
-        ck_assert_double_eq_tol(r[2], 0, 1e-15);
+        assert_near(r, (double[]){l == at, -(l == at), 0}, 3, 1e-15);
       }
     }
   }
   free(work);
-}
-END_TEST
-
-int main(void) {
-  return RUN("lanes", NULL, NULL, EACH(each_lane_arrives, 0, 96), ONCE(ends_at_the_first_look),
-             ONCE(goes_on_while_a_lane_moves), EACH(looks_by_hand, 0, 24), ONCE(one_lane_slips));
 }

@@ -1,11 +1,4 @@
 /* test_local.c: the exact solution of one contact. BLOCKS random blocks per dimension. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "delassus/nlgs.h"
@@ -120,7 +113,7 @@ static void transpose(int d, const double *rows, double *W) {
       W[i + d * j] = rows[d * i + j];
 }
 
-START_TEST(by_hand) {
+TEST_EACH(by_hand, 0, sizeof cases / sizeof cases[0]) {
   const local_case *k = &cases[_i];
   double W[9], r[3] = {7, 7, 7};
   int count = -1;
@@ -135,10 +128,9 @@ START_TEST(by_hand) {
   ck_assert(violation(k->d, W, k->q, k->mu, r) <= 8 * DBL_EPSILON);
   ck_assert_int_eq(dlsi_nlgs_local(k->d, W, k->q, k->mu, r, NULL), state);
 }
-END_TEST
 
 /* powers of two on force and length: the same bits */
-START_TEST(units) {
+TEST_EACH(units, 0, sizeof cases / sizeof cases[0]) {
   const local_case *k = &cases[_i];
   double W[9], V[9], q[3], r[3], s[3];
   transpose(k->d, k->W, W);
@@ -156,7 +148,6 @@ START_TEST(units) {
         ck_assert(s[i] == ldexp(r[i], b));
     }
 }
-END_TEST
 
 typedef struct bad_case {
   int d;
@@ -190,7 +181,7 @@ static const bad_case unsolvable[] = {
     {3, {1e-300, 0, 0, 0, 1e-300, 0, 0, 0, 1e-300}, {-1e300, 1e300, 0}, 1},
 };
 
-START_TEST(no_solution) {
+TEST_EACH(no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]) {
   const bad_case *k = &unsolvable[_i];
   double W[9], r[3] = {NAN, NAN, NAN};
   int count = -1;
@@ -200,7 +191,6 @@ START_TEST(no_solution) {
   for (int i = 0; i < k->d; i++)
     ck_assert(isfinite(r[i]));
 }
-END_TEST
 
 /* W = Q diag(1 .. 1/cond) Q^T + a skew part, q_n < 0 */
 static void random_block(int d, double skew, double *W, double *q, double *mu) {
@@ -242,7 +232,7 @@ static void random_block(int d, double skew, double *W, double *q, double *mu) {
 }
 
 /* Bounds: 2D is all closed forms; in 3D the slip direction carries the conditioning of S + l I. */
-START_TEST(random_blocks) {
+TEST_EACH(random_blocks, 0, 4) {
   const int d = 2 + _i % 2;
   const double skew = _i < 2 ? 0 : 1e-3, bound = d == 2 ? 1e-14 : 1e-11;
   double worst = 0;
@@ -273,10 +263,9 @@ START_TEST(random_blocks) {
   ck_assert_msg(worst <= bound, "worst %g", worst);
   if (d == 2 && skew == 0) ck_assert_int_eq(several, 0); /* SPD, q_n < 0: unique in 2D */
 }
-END_TEST
 
 /* r of a block in turned tangents is the turned r */
-START_TEST(turned_tangents) {
+TEST(turned_tangents) {
   for (int k = 0; k < 2000; k++) {
     double W[9], q[3], mu, r[3], s[3];
     random_block(3, 0, W, q, &mu);
@@ -304,11 +293,10 @@ START_TEST(turned_tangents) {
     }
   }
 }
-END_TEST
 
 /* Reactions far below those of the neighbours are found as in another unit, and a hair's weight on
  * a candidate that slips fast along the slip. */
-START_TEST(tiny_reactions) {
+TEST(tiny_reactions) {
   for (int k = 0; k < 2000; k++) {
     double W[9], q[3], p[3], mu, r[3], s[3], least[3];
     random_block(3, 0, W, q, &mu);
@@ -330,11 +318,10 @@ START_TEST(tiny_reactions) {
     ck_assert_double_eq_tol(least[2] / n, mu * e[1], 1e-12 * mu);
   }
 }
-END_TEST
 
 /* The terms of a block: W = (4 1; 2 3) has the pivot 4, s = 3 - 2/4; (2 1; 4 3) the pivot 4 of its
  * second row, s = 1 - 2/4 3; of equal rows the first one is the pivot. mu = 2. */
-START_TEST(blocks_2d) {
+TEST(blocks_2d) {
   static const double W[3][4] = {{4, 2, 1, 3}, {2, 4, 1, 3}, {2, -2, 1, 3}};
   static const double inv_pivot[] = {0.25, 0.25, 0.5}, f[] = {0.5, 0.5, -1};
   static const double inv_s[] = {1 / 2.5, -2, 0.25}, slip[3][2] = {{0.5, 1. / 6}, {0, 0.25}};
@@ -348,12 +335,11 @@ START_TEST(blocks_2d) {
     ck_assert(b.inv_slip[1] == (k == 0 ? slip[0][1] : 1. / 3));
   }
 }
-END_TEST
 
 /* The same in 3D: W_nn = 2, b = (1, 3), c W_nn = (4, 6), B = (5 8; 7 20) by rows, so that S = B - c
  * b^T / 2 = (3 2; 4 11), whose pivot is 4 of the second row; then a B whose S has equal entries in
  * its first column, and a B of zeros, where the size of l is W_nn. */
-START_TEST(blocks_3d) {
+TEST(blocks_3d) {
   static const double W[3][9] = {
       {2, 4, 6, 1, 5, 7, 3, 8, 20}, {2, 4, 6, 1, 5, 6, 3, 8, 20}, {2, 4, 6, 1, 0, 0, 3, 0, 0}};
   static const double S[3][4] = {{3, 4, 2, 11}, {3, 3, 2, 11}, {-2, -3, -6, -9}};
@@ -371,12 +357,11 @@ START_TEST(blocks_3d) {
     if (k < 2) ck_assert(b.inv1 == 1 / (k == 0 ? 2 - 0.75 * 11 : 9));
   }
 }
-END_TEST
 
 /* Without a solution r is the point of the smallest |F|. W = (1 1; c B), q = (-2, 0), mu = 1: r = 0
  * has |F| = 2; the slip r = (1, 1), which friction drives, has u = (0, c + B) and |F| = c + B, or
  * 2 w with w = (1 + B) / 2 if that is less. */
-START_TEST(least_bad_points) {
+TEST(least_bad_points) {
   static const struct {
     double c, B, mu, r[2];
   } points[] = {{1, .5, 1, {1, 1}}, {2, 1.5, 1, {0, 0}}, {3, 2, 1, {0, 0}}, {1, .5, 3, {.5, 1.5}}};
@@ -397,11 +382,10 @@ START_TEST(least_bad_points) {
       ck_assert(s[0] == 0 && s[1] == 0 && s[2] == 0);
     }
 }
-END_TEST
 
 /* r on the edge of the cone with u_t = 0 is stick and slip at once: rounding must not leave it
  * without a state, nor count it twice. */
-START_TEST(edges_of_the_cone) {
+TEST(edges_of_the_cone) {
   for (int k = 0; k < 4000; k++) {
     const int d = 2 + k % 2;
     double W[9], q[3], mu, r[3];
@@ -421,14 +405,12 @@ START_TEST(edges_of_the_cone) {
     const dlsi_local_state state = dlsi_nlgs_local(d, W, q, mu, r, &count);
     ck_assert_msg(state == DLS_LOCAL_STICK || state == DLS_LOCAL_SLIP, "%d: state %d", k, state);
     ck_assert_int_eq(count, 1);
-    for (int i = 0; i < d; i++)
-      ck_assert_double_eq_tol(r[i], at[i], 1e-12 * (1 + mu));
+    assert_near(r, at, d, 1e-12 * (1 + mu));
   }
 }
-END_TEST
 
 /* u_t = (2.4, 3.2) = -4 r_t: from any guess of 4, and from what is none, the same r. */
-START_TEST(guesses) {
+TEST(guesses) {
   static const double W[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, q[3] = {-2, 3, 4}, r[3] = {1, -.6, -.8};
   static const double guess[] = {0, 4, 4e-3, 4e3, 1e-300, 1e300, -4, NAN, INFINITY, -INFINITY};
   dlsi_block_3d b;
@@ -436,14 +418,12 @@ START_TEST(guesses) {
   for (int k = 0; k < 10; k++) {
     double s[3];
     ck_assert_int_eq(dlsi_local_3d(&b, q, guess[k], s), DLS_LOCAL_SLIP);
-    for (int i = 0; i < 3; i++)
-      ck_assert_double_eq_tol(s[i], r[i], 4 * DBL_EPSILON);
+    assert_near(s, r, 3, 4 * DBL_EPSILON);
   }
 }
-END_TEST
 
 /* One unknown: u = W r + q. */
-START_TEST(one_dimension) {
+TEST(one_dimension) {
   static const double W[] = {2, 2, 2, -1, -1, 2}, q[] = {-3, 3, 0, 1, -1, -INFINITY};
   static const double r[] = {1.5, 0, 0, 0, 0, 0};
   static const int count[] = {1, 1, 1, 2, 0, 0};
@@ -456,14 +436,4 @@ START_TEST(one_dimension) {
     ck_assert(s[0] == r[k] && s[1] == 7);
     ck_assert_int_eq(n, count[k]);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("local", NULL, NULL, EACH(by_hand, 0, sizeof cases / sizeof cases[0]),
-             EACH(units, 0, sizeof cases / sizeof cases[0]),
-             EACH(no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]),
-             EACH(random_blocks, 0, 4), ONCE(turned_tangents), ONCE(tiny_reactions),
-             ONCE(blocks_2d), ONCE(blocks_3d), ONCE(least_bad_points), ONCE(edges_of_the_cone),
-             ONCE(guesses), ONCE(one_dimension));
 }

@@ -1,9 +1,4 @@
 /* test_momentum.c: momentum on sweeps, one step after the other by hand. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "run.h"
 #include "vi/vi_internal.h"
@@ -29,7 +24,7 @@ static void small_start(small *s, int d, const double *r, const double *u) {
 
 /* (MO1), (MO4): no step before, then b = 1 / 12, then the largest that is allowed, then 0; G = w
  * |e|^2 with w = 2. */
-START_TEST(steps_by_hand) {
+TEST(steps_by_hand) {
   const double w = 2;
   double r = 3, u = 5;
   small s;
@@ -51,10 +46,9 @@ START_TEST(steps_by_hand) {
   ck_assert(dlsi_momentum_step(&s.mo, 1, 1, &w, .125, one, one, &r, &u) == .78125);
   ck_assert(r == 23.75 && s.mo.k == 1 && s.mo.reference == .78125);
 }
-END_TEST
 
 /* (MO2), (MO3): e across p is not uphill; G = 2 G* does not begin anew and leaves G*, more does. */
-START_TEST(growth_begins_anew) {
+TEST(growth_begins_anew) {
   const double w = 1, start[2] = {0, 0};
   for (int more = 0; more < 2; more++) {
     double r[2] = {8, 0}, u[2] = {0, 0};
@@ -72,10 +66,9 @@ START_TEST(growth_begins_anew) {
     ck_assert(s.mo.reference == (more ? 164 : 64));
   }
 }
-END_TEST
 
 /* Two of three candidates, and one of two bodies: the others stay, NaN as they are. */
-START_TEST(only_the_set_moves) {
+TEST(only_the_set_moves) {
   static const int some[2] = {2, 0}, row[1] = {1};
   const dlsi_set changes = {.list = some, .count = 2}, rows = {.list = row, .count = 1};
   const double w[3] = {1, NAN, 4};
@@ -110,11 +103,10 @@ START_TEST(only_the_set_moves) {
     else
       ck_assert(u[i] == i + 2 + 33 * i && of[1][i] == u[i] && of[3][i] == 17 * i);
 }
-END_TEST
 
 /* Work on pieces: the same r and u to the bit each time, and as a list of all, last first, the same
  * G but for rounding. */
-START_TEST(pieces_are_the_whole) {
+TEST(pieces_are_the_whole) {
   enum { count = 5000, d = 3, e = 2 };
   static double v[3][2][d * count], of[3][4][d * count], w[count], start[d * count];
   static int list[count];
@@ -143,10 +135,4 @@ START_TEST(pieces_are_the_whole) {
     ck_assert_mem_eq(v[k], v[0], sizeof v[0]);
     ck_assert_double_eq_tol(G[k], G[0], 1e-14 * count * G[0]);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("momentum", NULL, NULL, ONCE(steps_by_hand), ONCE(growth_begins_anew),
-             ONCE(only_the_set_moves), ONCE(pieces_are_the_whole));
 }

@@ -1,15 +1,9 @@
 /* test_newton.c: nonsmooth Newton, on problems solved by hand, on random ones, on bad input. */
-#include <check.h>
-#include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus/newton.h"
 #include "doors.h"
 #include "failures.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -25,7 +19,7 @@ static const struct {
               {"C13", DLS_STALLED, DLS_OK, DLS_STALLED},
               {"C14", DLS_STALLED, DLS_STALLED, DLS_OK}};
 
-START_TEST(cycle) {
+TEST_EACH(cycle, 0, sizeof cycles / sizeof cycles[0]) {
   static model a;
   const hand_case *k = hand_named(cycles[_i].name);
   set_hand(&a, k);
@@ -45,9 +39,8 @@ START_TEST(cycle) {
       ck_assert(fabs(r[i] - k->r[i]) <= 1e-10);
   }
 }
-END_TEST
 
-START_TEST(no_solution_in_any_way) {
+TEST_EACH(no_solution_in_any_way, 0, jammed_count) {
   static model a;
   set_hand(&a, &jammed[_i]);
   for (int way = 0; way < 4; way++) {
@@ -57,9 +50,8 @@ START_TEST(no_solution_in_any_way) {
     expect_no_answer(&the_newton, &a.p, &s);
   }
 }
-END_TEST
 
-START_TEST(hyperstatic_without_sweeps) {
+TEST(hyperstatic_without_sweeps) {
   static model a;
   set_hand(&a, &hyperstatic_case);
   for (int way = 0; way < 2; way++) {
@@ -73,11 +65,10 @@ START_TEST(hyperstatic_without_sweeps) {
     ck_assert(fabs(r[0] + r[2] - 1) <= 1e-12 && fabs(r[1] + r[3] + .25) <= 1e-12);
   }
 }
-END_TEST
 
 /* Without friction and with everything in contact: W_nn r_n = -q_n. With mu = 0 a candidate has one
  * unknown, and the tangential rows are not looked at. */
-START_TEST(without_friction) {
+TEST(without_friction) {
   static model a;
   const hand_case k = {
       "", 2, 2, {2, 5, 1, 0, 5, 0, 0, 7, 1, 0, 2, 3, 0, 7, 3, 0}, {-3, 4, -3, 1}, 0, {1, 0, 1, 0}};
@@ -89,13 +80,11 @@ START_TEST(without_friction) {
   double r[4] = {.5, 3, .5, -2}, u[4];
   dls_info info;
   ck_assert_int_eq(run_newton(&a.p, &s, r, u, &info), DLS_OK);
-  for (int i = 0; i < 4; i++)
-    ck_assert(fabs(r[i] - k.r[i]) <= 1e-14);
+  assert_near(r, k.r, 4, 1e-14);
 }
-END_TEST
 
 /* Any start: what comes back is never worse than it. */
-START_TEST(never_worse_in_any_way) {
+TEST_EACH(never_worse_in_any_way, 0, 30) {
   static model a;
   const hand_case *k = hand_named("C14");
   set_hand(&a, k);
@@ -107,17 +96,15 @@ START_TEST(never_worse_in_any_way) {
   double r[4], u[4];
   for (int i = 0; i < 4; i++)
     r[i] = k->r[i] * (1 + 0.5 * uniform());
-  dls_certificate before;
-  ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &before, NULL), DLS_OK);
+  const dls_certificate before = certificate_of(&a.p, r);
   dls_info info;
   (void)run_newton(&a.p, &s, r, u, &info);
   ck_assert(info.certificate.residual <= before.residual);
 }
-END_TEST
 
 /* data/failures: "solved" only where there is a solution, and then with the certificate (run).
  * Which ones it solves: those whose line says so. */
-START_TEST(catalogue) {
+TEST(catalogue) {
   int contacts, solved = 0;
   const failure *f = contact_failures(&contacts);
   for (const failure *end = f + contacts; f < end; f++) {
@@ -132,7 +119,6 @@ START_TEST(catalogue) {
   }
   ck_assert_msg(contacts >= 33 && solved >= 22, "%d, %d", contacts, solved);
 }
-END_TEST
 
 /* in the sweeps, then in the steps */
 typedef struct both {
@@ -155,7 +141,7 @@ static int look_at_both(void *data, const dls_progress *progress) {
   return w->sweeps + w->steps == w->cancel_at;
 }
 
-START_TEST(cancelled) { /* in the sweeps, in the steps, never */
+TEST_EACH(cancelled, 0, 4) { /* in the sweeps, in the steps, never */
   static model a;
   set_hand(&a, hand_named("C13"));
   static const int at[] = {7, 20, 25, 0}, sweeps[] = {7, 20, 20, 20}, steps[] = {0, 0, 5, 3};
@@ -174,11 +160,10 @@ START_TEST(cancelled) { /* in the sweeps, in the steps, never */
   ck_assert(w.sweeps == sweeps[_i] && w.steps == steps[_i]);
   ck_assert(info.certificate.residual <= w.least * (1 + 1e-12)); /* the best of them all */
 }
-END_TEST
 
 /* Told that W is positive definite, a stage of auto takes no eps: one step from r = 0, where both
  * press, is the answer of W r = -q. */
-START_TEST(definite_needs_no_eps) {
+TEST(definite_needs_no_eps) {
   static model a;
   double r[2] = {0};
   void *work;
@@ -192,21 +177,18 @@ START_TEST(definite_needs_no_eps) {
   ck_assert_int_eq(dlsi_newton_method.create(&work, 1, 2, &options, NULL), DLS_OK);
   ck_assert_int_eq(dlsi_newton_method.solve(work, &a.p, r, NULL, &info, NULL), DLS_OK);
   ck_assert(info.iterations == 1 && info.factorisations == 1 && info.sweeps == 0);
-  ck_assert_double_eq_tol(r[0], 1, 1e-15);
-  ck_assert_double_eq_tol(r[1], 1, 1e-15);
+  assert_near(r, (double[]){1, 1}, 2, 1e-15);
   dlsi_newton_method.destroy(work);
 }
-END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-START_TEST(line_search_without_sweeps) {
+TEST_EACH(line_search_without_sweeps, 0, 40) {
   dls_newton_settings s = newton_tol(1e-12);
   s.sweeps = 0;
   s.line_search = 1;
   expect_same_answer(&the_newton, _i, &s);
 }
-END_TEST
 
 /* ---- the line search ------------------------------------------------------------------------- */
 
@@ -258,7 +240,7 @@ static int list_residual(void *data, const dls_progress *progress) {
 
 /* (N4) done by hand: step by step the residuals that the method reports. u of a trial is the mean
  * of the two u it lies between. */
-START_TEST(line_search_by_hand) {
+TEST(line_search_by_hand) {
   int halvings = 0, compared = 0;
   for (int number = 0; number < 400; number++) {
     static model a;
@@ -294,8 +276,7 @@ START_TEST(line_search_by_hand) {
           next[i] = 0.5 * (r[i] + next[i]);
       }
       memcpy(r, next, sizeof r);
-      dls_certificate c;
-      ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &c, NULL), DLS_OK);
+      const dls_certificate c = certificate_of(&a.p, r);
       if (c.residual < 1e-9) break;
       ck_assert_msg(fabs(c.residual - seen.of[k]) <= 1e-6 * c.residual, "%d, step %d: %g, not %g",
                     number, k + 1, seen.of[k], c.residual);
@@ -304,7 +285,6 @@ START_TEST(line_search_by_hand) {
   }
   ck_assert_msg(halvings >= 50 && compared >= 200, "%d, %d", halvings, compared);
 }
-END_TEST
 
 /* ---- the head of the matrix ------------------------------------------------------------------ */
 
@@ -333,7 +313,7 @@ static dls_contact bed(int d, double mu_of_all, double push, int unsymmetric) {
 
 /* One bit in each block makes W unsymmetric and the method take LU of all: step by step the same
  * residuals. */
-START_TEST(head_is_lu) {
+TEST_EACH(head_is_lu, 0, 2) {
   const int d = 2 + _i;
   const double mu[] = {0.2, 0.5, 1, 2};
   int most_steps = 0;
@@ -362,7 +342,6 @@ START_TEST(head_is_lu) {
     }
   ck_assert_int_ge(most_steps, 5);
 }
-END_TEST
 
 /* ---- large: the matrices beyond 250 unknowns ------------------------------------------------- */
 
@@ -391,7 +370,7 @@ static int unknowns_at(const dls_contact *problem, const double *r) {
   return unknowns;
 }
 
-START_TEST(sparse_is_dense) {
+TEST_EACH(sparse_is_dense, 0, 2) {
   dls_contact dense, blocks;
   double r[row_m];
   dls_info info[2];
@@ -403,12 +382,11 @@ START_TEST(sparse_is_dense) {
   ck_assert_int_gt(unknowns_at(&dense, r), 250); /* more than create has room for */
   dls_newton_destroy(work);
 }
-END_TEST
 
 /* The sparse LU is the same each time, in any workspace. Left to choose (ICNTL(7) = 7) MUMPS takes
  * an ordering that draws random numbers for these unknowns, though not for 1800. A grid of
  * candidates, each coupled to four neighbours, nearly all of them sticking. */
-START_TEST(sparse_same_bits) {
+TEST(sparse_same_bits) {
   if (!WITH_MUMPS) return;
   static double x[5 * grid_nc * 4], q[grid_m], mu[grid_nc], r[3][grid_m];
   static int p[grid_nc + 1], i[5 * grid_nc];
@@ -448,12 +426,11 @@ START_TEST(sparse_same_bits) {
   for (int k = 0; k < 2; k++)
     dls_newton_destroy(work[k]);
 }
-END_TEST
 
 /* Solves a storage that create was not told of: dense, then by blocks. Outputs untouched without
  * memory, and the
  * workspace as good as new. */
-START_TEST(no_memory_for_large) {
+TEST_EACH(no_memory_for_large, 0, 2) {
   dls_contact dense, blocks;
   row_problem(0, &dense, &blocks);
   if (!WITH_MUMPS) return; /* dense, both */
@@ -465,11 +442,10 @@ START_TEST(no_memory_for_large) {
   expect_no_allocation(&the_newton, work, _i ? &blocks : &dense, r);
   dls_newton_destroy(work);
 }
-END_TEST
 
 /* One matrix, m^2 or the sparse one of the blocks, and O(m); a solve of what was announced
  * allocates nothing. */
-START_TEST(memory) {
+TEST(memory) {
   dls_contact p[2];
   row_problem(0, &p[0], &p[1]);
   const double m = row_m;
@@ -491,11 +467,10 @@ START_TEST(memory) {
     dls_newton_destroy(work);
   }
 }
-END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
-START_TEST(bad_create) {
+TEST(bad_create) {
   expect_bad_create(&the_newton);
   const double bad_eps[] = {-1e-9, 1, NAN, INFINITY};
   for (int k = 0; k < 4; k++) {
@@ -511,15 +486,4 @@ START_TEST(bad_create) {
   refuses_to_create(&the_newton, DLS_E_ARGUMENT, "line_search", -1, 2, 1, &s);
   s = newton_tol(1e-8);
   refuses_to_create(&the_newton, DLS_E_SIZE, "nc", -1, 3, INT_MAX / 3, &s); /* m^2 doubles */
-}
-END_TEST
-
-int main(void) {
-  return RUN("newton", NULL, NULL, EACH(no_solution_in_any_way, 0, jammed_count),
-             ONCE(hyperstatic_without_sweeps), EACH(cycle, 0, sizeof cycles / sizeof cycles[0]),
-             ONCE(without_friction), ONCE(definite_needs_no_eps), ONCE(catalogue),
-             EACH(never_worse_in_any_way, 0, 30), EACH(cancelled, 0, 4),
-             EACH(line_search_without_sweeps, 0, 40), ONCE(line_search_by_hand),
-             EACH(head_is_lu, 0, 2), EACH(sparse_is_dense, 0, 2), ONCE(sparse_same_bits),
-             EACH(no_memory_for_large, 0, 2), ONCE(memory), ONCE(bad_create));
 }

@@ -1,19 +1,9 @@
 /* test_nlgs.c: projected Gauss-Seidel, on problems solved by hand, on random ones, on bad input. */
-#include <check.h>
-#include <float.h>
-#include <limits.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
-#include "delassus/nlgs.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
+#include "delassus.h"
 #include "doors.h"
 #include "fclib_file.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "reduced.h"
 #include "rigid.h"
 #include "run.h"
@@ -23,7 +13,7 @@
 /* ---- by hand --------------------------------------------------------------------------------- */
 
 /* Says whether the local problems had several solutions: of these, in C16 alone. */
-START_TEST(several_solutions_are_told) {
+TEST_EACH(several_solutions_are_told, 0, hand_count) {
   static model a;
   set_hand(&a, &hand[_i]);
   const dls_nlgs_settings s = nlgs_tol(1e-14);
@@ -35,9 +25,8 @@ START_TEST(several_solutions_are_told) {
   for (int k = 0; is_c16 && k < 3; k++)
     ck_assert(fabs(r[k] - hand[_i].r[k]) <= 1e-11);
 }
-END_TEST
 
-START_TEST(ambiguous) {
+TEST(ambiguous) {
   static model a;
   set_hand(&a, &ambiguous_case);
   dls_nlgs_settings s = nlgs_tol(1e-12);
@@ -52,10 +41,9 @@ START_TEST(ambiguous) {
   ck_assert_int_eq(run_nlgs(&a.p, &s, r, u, &info), DLS_OK);
   ck_assert(r[0] == 2 && r[1] == -3 && info.iterations == 0 && info.ambiguous == 1);
 }
-END_TEST
 
 /* One candidate has nobody to wait for: a second sweep that changes nothing is the end. */
-START_TEST(one_jammed_candidate_stalls) {
+TEST_EACH(one_jammed_candidate_stalls, 0, jammed_count) {
   static model a;
   if (jammed[_i].nc > 1) return;
   set_hand(&a, &jammed[_i]);
@@ -64,10 +52,9 @@ START_TEST(one_jammed_candidate_stalls) {
   dls_info info;
   ck_assert_int_eq(run_nlgs(&a.p, &s, r, NULL, &info), DLS_STALLED);
 }
-END_TEST
 
 /* C11: W SPD, one solution, and yet the sweeps repeat without end */
-START_TEST(cycle) {
+TEST(cycle) {
   static model a;
   set_hand(&a, hand_named("C11"));
   for (int cancel = 0; cancel < 2; cancel++) {
@@ -85,16 +72,14 @@ START_TEST(cycle) {
     ck_assert(info.certificate.residual <= w.least * (1 + 1e-12)); /* the best of them all */
   }
 }
-END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-START_TEST(relaxation_keeps_the_answer) {
+TEST_EACH(relaxation_keeps_the_answer, 0, 80) {
   dls_nlgs_settings s = nlgs_tol(1e-12);
   s.relaxation = _i % 2 ? 1.2 : 0.7;
   expect_same_answer(&the_nlgs, _i / 2, &s);
 }
-END_TEST
 
 /* ---- acceleration ---------------------------------------------------------------------------- */
 
@@ -107,7 +92,7 @@ static dls_nlgs_settings accelerated(double tol, dls_acceleration acceleration) 
   return s;
 }
 
-START_TEST(accelerated_random_problem) {
+TEST_EACH(accelerated_random_problem, 0, 40) {
   static model a;
   static block_storage B;
   numbered_model(&a, _i);
@@ -120,8 +105,7 @@ START_TEST(accelerated_random_problem) {
   for (int k = 0; k < 3; k++) {
     dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
     ck_assert_int_eq(run_nlgs(&a.p, &s, r, NULL, &info), DLS_OK);
-    for (int j = 0; j < m; j++)
-      ck_assert(fabs(r[j] - plain[j]) <= close);
+    assert_near(r, plain, m, close);
 
     /* again, and W by blocks: the same bits */
     ck_assert_int_eq(run_nlgs(&a.p, &s, r2, NULL, &info2), DLS_OK);
@@ -141,12 +125,10 @@ START_TEST(accelerated_random_problem) {
       for (int j = 0; j < m; j++)
         r2[j] = 5 * uniform();
       ck_assert_int_eq(run_nlgs(&a.p, &s, r2, NULL, &info2), DLS_OK);
-      for (int j = 0; j < m; j++)
-        ck_assert(fabs(r2[j] - plain[j]) <= close);
+      assert_near(r2, plain, m, close);
     }
   }
 }
-END_TEST
 
 static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
                                     "FC2D_SliderCrankLagrangian00000",
@@ -155,7 +137,7 @@ static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
                                     "GFC3D_OneContact",
                                     "gfc2d_granularflowonwall_00069_00350"};
 
-START_TEST(fclib_file) {
+TEST_EACH(fclib_file, 0, sizeof files / sizeof files[0]) {
   dls_fclib *file = read_fclib_file(files[_i]);
   if (!file) return; /* built without HDF5 */
   dls_error error;
@@ -187,10 +169,8 @@ START_TEST(fclib_file) {
   dls_reduction_destroy(reduction);
   dls_fclib_destroy(file);
 }
-END_TEST
 
-START_TEST(
-    accelerated_cycle) { /* C11 again: solved or not, what is said is true, and it is the best */
+TEST(accelerated_cycle) { /* C11 again: solved or not, what is said is true, and it is the best */
   static model a;
   set_hand(&a, hand_named("C11"));
   for (int k = 0; k < 3; k++) {
@@ -207,16 +187,14 @@ START_TEST(
     ck_assert(info.certificate.residual <= w.least * (1 + 1e-12));
   }
 }
-END_TEST
 
-START_TEST(accelerated_units) {
+TEST_EACH(accelerated_units, 0, 40) {
   static model a;
   numbered_model(&a, _i);
   const dls_nlgs_settings s = accelerated(1e-10, accelerations[_i / 2 % 3]);
   expect_any_units(&the_nlgs, &a, &s, 1e-10, 0);
   expect_any_units(&the_nlgs, &a, &s, 1e-10, 1);
 }
-END_TEST
 
 static int stop(void *data, const dls_progress *progress) {
   const int *at = data;
@@ -224,7 +202,7 @@ static int stop(void *data, const dls_progress *progress) {
 }
 
 /* Solves in a workspace that another problem left half-way, cancelled: to the same bits. */
-START_TEST(accelerated_workspace) {
+TEST(accelerated_workspace) {
   static model a, b;
   slow_model(&a, 0);
   numbered_model(&b, 10);
@@ -251,12 +229,11 @@ START_TEST(accelerated_workspace) {
     dls_nlgs_destroy(work);
   }
 }
-END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 /* |F|^2 overflows where the residual is looked for: the search has to end. */
-START_TEST(squares_beyond_numbers) {
+TEST(squares_beyond_numbers) {
   enum { nc = 60 };
   static int p[nc + 1], i[3 * nc];
   static double x[4 * 3 * nc], q[2 * nc], mu[nc], r[2 * nc];
@@ -272,16 +249,13 @@ START_TEST(squares_beyond_numbers) {
   }
   p[nc] = count;
   const dls_contact problem = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = q, .mu = mu};
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
-  s.method = DLS_NLGS;
+  dls_solver_settings s = settings_with(DLS_NLGS, default_tol);
   s.acceleration = DLS_ACCELERATION_MOMENTUM;
   s.limits.max_iterations = 400;
   ck_assert_int_ge(dls_solve(&problem, &s, r, NULL, NULL, NULL), DLS_OK);
 }
-END_TEST
 
-START_TEST(bad_create) {
+TEST(bad_create) {
   expect_bad_create(&the_nlgs);
   const dls_nlgs_settings good = nlgs_tol(1e-8);
   const double bad_relaxation[] = {0, 2, -1, NAN, INFINITY};
@@ -302,9 +276,8 @@ START_TEST(bad_create) {
     refuses_to_create(&the_nlgs, DLS_E_ARGUMENT, "acceleration", -1, 2, 1, &s);
   }
 }
-END_TEST
 
-START_TEST(memory) { /* O(m), with Anderson O(window m) */
+TEST(memory) { /* O(m), with Anderson O(window m) */
   for (int d = 2; d <= 3; d++)
     for (int nc = 10; nc <= 1000; nc *= 10)
       for (int window = 0; window <= 20; window += 10) {
@@ -318,11 +291,10 @@ START_TEST(memory) { /* O(m), with Anderson O(window m) */
                       8 * (40 * m + 4 * window * window) + 4096);
       }
 }
-END_TEST
 
 /* Spheres that flow: twice as many plain sweeps as sweeps with momentum do not suffice, and auto
  * takes the latter. Where most of the residual is in few candidates, these are swept alone. */
-START_TEST(momentum_on_a_packing) {
+TEST(momentum_on_a_packing) {
   rigid a;
   ck_assert_int_eq(rigid_create(&a, "packing-flow", 1200, 0.4, 2), 0);
   double *r = malloc((size_t)a.contact.d * (size_t)a.contact.nc * sizeof *r);
@@ -339,19 +311,16 @@ START_TEST(momentum_on_a_packing) {
     s.acceleration = DLS_ACCELERATION_NONE;
     s.limits.max_iterations = 2 * info.iterations;
   }
-  dls_solver_settings any;
-  dls_solver_settings_init(&any);
-  any.limits.tol = 1e-6;
+  dls_solver_settings any = settings_with(DLS_AUTO, 1e-6);
   ck_assert_int_eq(dls_solve(&a.contact, &any, r, NULL, &info, NULL), DLS_OK);
   ck_assert_int_eq(info.stage[0].method, DLS_NLGS);
   ck_assert_int_lt(info.stage[0].iterations, s.limits.max_iterations / 2);
   free(r);
   rigid_free(&a);
 }
-END_TEST
 
 /* Where sweeps cycle or there is no solution, momentum ends, too, and says so. */
-START_TEST(momentum_by_hand) {
+TEST_EACH(momentum_by_hand, 0, hand_count + jammed_count) {
   const hand_case *k = _i < hand_count ? &hand[_i] : &jammed[_i - hand_count];
   static model a;
   set_hand(&a, k);
@@ -363,7 +332,6 @@ START_TEST(momentum_by_hand) {
   ck_assert_int_eq(status == DLS_OK, dls_certificate_holds(&info.certificate, 1e-12));
   if (_i >= hand_count) ck_assert_int_ne(status, DLS_OK);
 }
-END_TEST
 
 /* ---- several local solutions ----------------------------------------------------------------- */
 
@@ -387,7 +355,7 @@ static int alone_may_be_ambiguous(int d, const double *W, double mu) {
  * eigenvalue of W_tt, h = |x|: h + k^2 / h if h < k, else 2 k. W_tt = 1, W_nt = 3: k = 4 for W_nn =
  * 25, 2 for 13. W_tt = (5 3; 3 5) of eigenvalues 8 and 2, W_nt = (11, 13): x = (1, 2), h = sqrt(5),
  * k = 2 for W_nn = 69, 3 for 109. */
-START_TEST(bounds_of_one_solution) {
+TEST(bounds_of_one_solution) {
   static const struct {
     int d;
     double W[9], bound;
@@ -420,12 +388,11 @@ START_TEST(bounds_of_one_solution) {
   ck_assert(alone_may_be_ambiguous(2, soft, 0) && alone_may_be_ambiguous(2, flat, 0));
   ck_assert(alone_may_be_ambiguous(3, stiff, 0));
 }
-END_TEST
 
 /* Three candidates apart from each other. The first: r_n = r_t = 1 is one of two solutions for mu =
  * 1, (2, 1) is told first, and none is for the mu of the second. The third is C1, sticking, which
  * may as well be free. */
-START_TEST(other_solutions) {
+TEST(other_solutions) {
   static model a;
   static const double W[3][4] = {{0, 1, 1, 0}, {2, 0, 0, 1}, {1, 1, 1, 2}};
   static const double r[6] = {1, 1, 1, 0, 2, -3}, u[6] = {0, -1, 0, 0.5, 0, 0};
@@ -453,11 +420,10 @@ START_TEST(other_solutions) {
     ck_assert(s[0] == 0 && s[1] == 0 && s[2] == 0);
   }
 }
-END_TEST
 
 /* (NL3) with omega = 1/2: r of a candidate that leaves, W = 1, q = 1, halves from 2^-10 to 2^-51,
  * and is 0 where it no longer moves u = 1. r_t = mu r_n goes with it. */
-START_TEST(relaxed_candidate_leaves) {
+TEST(relaxed_candidate_leaves) {
   for (int d = 1; d <= 3; d++)
     for (int k = 0; k <= (d > 1); k++) {
       static model a;
@@ -477,11 +443,10 @@ START_TEST(relaxed_candidate_leaves) {
         ck_assert(r[i] == 0 && u[i] == a.q[i]);
     }
 }
-END_TEST
 
 /* As a step of auto, in an order of its own, or with momentum: of candidates apart from each other
  * one sweep solves all, if it visits each of them. */
-START_TEST(stages_visit_all) {
+TEST(stages_visit_all) {
   for (int stage = 1; stage <= 2; stage++)
     for (int d = 1; d <= 3; d++)
       for (int nc = 1; nc <= 7; nc++) {
@@ -505,7 +470,6 @@ START_TEST(stages_visit_all) {
         dlsi_nlgs_method.destroy(work);
       }
 }
-END_TEST
 
 /* ---- a cantilever ---------------------------------------------------------------------------- */
 
@@ -551,8 +515,7 @@ static dls_status solve_beam(const beam *b, int automatic, double *r, dls_info *
   ck_assert_int_eq(reduce_on_W(&R, solids_model(&S), NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(R, S.f, S.g, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(R, mu, &p, NULL), DLS_OK);
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   if (!automatic) {
     s.method = DLS_NLGS;
     s.acceleration = DLS_ACCELERATION_ANDERSON;
@@ -564,26 +527,12 @@ static dls_status solve_beam(const beam *b, int automatic, double *r, dls_info *
 }
 
 /* Anderson's acceleration takes a tenth of 10000 plain sweeps at most; r is that of auto. */
-START_TEST(cantilever) {
+TEST_EACH(cantilever, 0, sizeof beams / sizeof beams[0]) {
   double r[80], other[80];
   dls_info info;
   if (!WITH_MUMPS) return;
   ck_assert_int_eq(solve_beam(&beams[_i], 0, r, &info), DLS_OK);
   ck_assert_int_le(info.iterations, 1000);
   ck_assert_int_eq(solve_beam(&beams[_i], 1, other, &info), DLS_OK);
-  for (int k = 0; k < 80; k++)
-    ck_assert_double_eq_tol(r[k], other[k], 1e-7);
-}
-END_TEST
-
-int main(void) {
-  return RUN("nlgs", NULL, NULL, EACH(several_solutions_are_told, 0, hand_count), ONCE(ambiguous),
-             EACH(one_jammed_candidate_stalls, 0, jammed_count), ONCE(cycle),
-             EACH(relaxation_keeps_the_answer, 0, 80), EACH(accelerated_random_problem, 0, 40),
-             EACH(fclib_file, 0, sizeof files / sizeof files[0]), ONCE(accelerated_cycle),
-             EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace),
-             ONCE(momentum_on_a_packing), EACH(momentum_by_hand, 0, hand_count + jammed_count),
-             ONCE(squares_beyond_numbers), ONCE(bad_create), ONCE(memory),
-             ONCE(bounds_of_one_solution), ONCE(other_solutions), ONCE(relaxed_candidate_leaves),
-             ONCE(stages_visit_all), EACH(cantilever, 0, sizeof beams / sizeof beams[0]));
+  assert_near(r, other, 80, 1e-7);
 }

@@ -1,8 +1,4 @@
 /* test_order.c: the order of the contacts that follows from the data. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "run.h"
 #include "vi/vi_internal.h"
@@ -42,7 +38,7 @@ static void order_of(const dls_contact *problem, int *order) {
 }
 
 /* (OR1) tells the first, then each is the one that those before it are coupled to most. */
-START_TEST(walks_along_the_largest_coupling) {
+TEST(walks_along_the_largest_coupling) {
   dls_contact dense, blocks;
   int order[nc], by_blocks[nc], seen[nc] = {0};
   make_elastic(&dense, &blocks);
@@ -63,9 +59,4 @@ START_TEST(walks_along_the_largest_coupling) {
     }
     ck_assert_double_ge(own, largest * (1 - 0x1p-24));
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("order", NULL, NULL, ONCE(walks_along_the_largest_coupling));
 }

@@ -2,17 +2,9 @@
  * test_primal.c: projected Gauss-Seidel on the displacements: springs by hand, random systems and
  * the block of [Jean 1988] against Gauss-Seidel on the condensed problem, bad input.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "close.h"
 #include "delassus.h"
 #include "delassus/fe.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -179,7 +171,7 @@ static const hand_case hand[] = {
 enum { hand_count = sizeof hand / sizeof hand[0] };
 
 /* _i: case, and frame: along the axes, or turned by 1 rad with K and f turned along */
-START_TEST(by_hand) {
+TEST_EACH(by_hand, 0, 2 * hand_count) {
   const hand_case *k = &hand[_i / 2];
   const int turned = _i % 2, n = k->n;
   const double co = turned ? cos(1) : 1, si = turned ? sin(1) : 0;
@@ -209,7 +201,6 @@ START_TEST(by_hand) {
     ck_assert_msg(fabs(a.u[i] - k->u[i]) <= 1e-12, "%s: u[%d] = %.17g", k->name, i, a.u[i]);
   }
 }
-END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
@@ -267,9 +258,7 @@ static void condensed(const springs *s, const double *r, answer *dual,
   ok(dls_reduction_load(reduction, s->f, s->g, &error));
   ok(dls_reduction_contact(reduction, s->mu, &problem, &error));
   ok(dls_contact_certify(&problem, r, NULL, certificate, &error));
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-14;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-14);
   ok(dls_solve(&problem, &settings, dual->r, dual->u, NULL, &error));
   ok(dls_reduction_recover(reduction, dual->r, dual->x, &error));
   dls_reduction_destroy(reduction);
@@ -280,7 +269,7 @@ static void expect_close(const double *a, const double *b, int n, double close) 
     ck_assert_msg(fabs(a[i] - b[i]) <= close, "[%d]: %.17g, not %.17g", i, a[i], b[i]);
 }
 
-START_TEST(random_system) {
+TEST_EACH(random_system, 0, 40) {
   static springs s, t;
   random_springs(_i, &s);
   const int n = s.model.n, m = 2 * s.model.nodes;
@@ -359,12 +348,11 @@ START_TEST(random_system) {
   for (int i = 0; i < m; i++)
     ck_assert(fabs(b.r[m - 2 - i + 2 * (i % 2)] - dual.r[i]) <= close);
 }
-END_TEST
 
 /* The certificate by the formulas of the header, from x, r and u of an early end: K' = T^T K T with
  * the columns of T along n and t, W_cc = K'_cc^-1, q = u - W r, w = trace(W_cc) / 2; floors of
  * |f'| + |K'| |x'| without gaps. */
-START_TEST(certificate_of_an_early_end) {
+TEST_EACH(certificate_of_an_early_end, 0, 24) {
   static springs s;
   static double T[most * most], K[most * most], a[most];
   random_springs(_i, &s);
@@ -446,10 +434,9 @@ START_TEST(certificate_of_an_early_end) {
     ck_assert_double_eq_tol(laws->floor_r / DBL_EPSILON, sqrt(floor_force / r2),
                             1e-9 * sqrt(floor_force / r2));
 }
-END_TEST
 
 /* What lies behind f, g, mu and the start x is not looked at. */
-START_TEST(ends_of_arrays) {
+TEST_EACH(ends_of_arrays, 0, 4) {
   static springs s;
   static answer a;
   memset(&a, 0, sizeof a);
@@ -462,9 +449,8 @@ START_TEST(ends_of_arrays) {
   ck_assert(isnan(a.x[s.model.n]));
   ck_assert(a.r[2 * s.model.nodes] == 7 && a.u[2 * s.model.nodes] == 7);
 }
-END_TEST
 
-START_TEST(units) {
+TEST_EACH(units, 0, 16) {
   static springs s, t;
   random_springs(_i, &s);
   const int n = s.model.n, m = 2 * s.model.nodes;
@@ -493,10 +479,9 @@ START_TEST(units) {
           ck_assert(b.x[k] == al * a.x[k]);
       }
 }
-END_TEST
 
 /* Unknowns of several units: K_ij -> s_i K_ij s_j, f_i -> s_i f_i, x_i -> x_i / s_i. */
-START_TEST(mixed_units) {
+TEST_EACH(mixed_units, 0, 16) {
   static springs s, t;
   random_springs(_i, &s);
   const int n = s.model.n, nodes = s.model.nodes;
@@ -525,9 +510,8 @@ START_TEST(mixed_units) {
   for (int i = 0; i < n; i++)
     ck_assert(b.x[i] * scale[i] == a.x[i]);
 }
-END_TEST
 
-START_TEST(tolerance_zero) { /* the floors end it */
+TEST_EACH(tolerance_zero, 0, 20) { /* the floors end it */
   static springs s;
   random_springs(_i, &s);
   const dls_primal_settings settings = primal_tol(0);
@@ -537,7 +521,6 @@ START_TEST(tolerance_zero) { /* the floors end it */
   ck_assert(a.info.laws.residual <= 4 * a.info.laws.floor_u);
   ck_assert_int_lt(a.info.iterations, 5000);
 }
-END_TEST
 
 /* ---- the block of Jean ----------------------------------------------------------------------- */
 
@@ -566,7 +549,7 @@ static dls_status solve_scene(jean *j, const dls_primal_settings *settings) {
 
 static const char *const names[] = {"jean-fig3", "jean-fig4"};
 
-START_TEST(jean_block) {
+TEST_EACH(jean_block, 0, 2) {
   static jean j;
   open_scene(&j, names[_i], 0);
   const double tol = 1e-12;
@@ -584,9 +567,7 @@ START_TEST(jean_block) {
   ok(dls_contact_certify(&problem, j.r, NULL, &certificate, &error));
   ck_assert_double_le(certificate.residual_u, 10 * tol);
   ck_assert_double_le(certificate.residual_r, 500 * tol);
-  dls_solver_settings nlgs;
-  dls_solver_settings_init(&nlgs);
-  nlgs.limits.tol = 1e-14;
+  dls_solver_settings nlgs = settings_with(DLS_AUTO, 1e-14);
   double x[jean_n], r[jean_m], u[jean_m];
   ok(dls_solve(&problem, &nlgs, r, u, NULL, &error));
   ok(dls_reduction_recover(reduction, r, x, &error));
@@ -600,9 +581,8 @@ START_TEST(jean_block) {
   dls_reduction_destroy(reduction);
   dls_fe_scene_destroy(j.scene);
 }
-END_TEST
 
-START_TEST(acceleration_pays) { /* measured: 308, 715, 2341 sweeps; Fig. 4 223, 675, 2044 */
+TEST_EACH(acceleration_pays, 0, 2) { /* measured: 308, 715, 2341 sweeps; Fig. 4 223, 675, 2044 */
   static jean j;
   open_scene(&j, names[_i], 0);
   dls_primal_settings settings = primal_tol(1e-8);
@@ -619,7 +599,6 @@ START_TEST(acceleration_pays) { /* measured: 308, 715, 2341 sweeps; Fig. 4 223, 
                 plain);
   dls_fe_scene_destroy(j.scene);
 }
-END_TEST
 
 typedef struct watch {
   double least;
@@ -635,7 +614,7 @@ static int look_at_sweeps(void *data, const dls_progress *progress) {
   return w->calls == w->cancel_at;
 }
 
-START_TEST(stopped_early) { /* cancelled, at the limit: honest, and the best of all sweeps */
+TEST(stopped_early) { /* cancelled, at the limit: honest, and the best of all sweeps */
   static jean j;
   open_scene(&j, names[0], 0);
   for (int cancel = 0; cancel < 2; cancel++) {
@@ -653,9 +632,8 @@ START_TEST(stopped_early) { /* cancelled, at the limit: honest, and the best of 
   }
   dls_fe_scene_destroy(j.scene);
 }
-END_TEST
 
-START_TEST(weighted_is_refused) {
+TEST_EACH(weighted_is_refused, 0, 2) {
   static jean j;
   open_scene(&j, names[_i], 1);
   const dls_primal_settings settings = primal_tol(1e-8);
@@ -665,10 +643,9 @@ START_TEST(weighted_is_refused) {
   ck_assert_str_eq(error.argument, "P");
   dls_fe_scene_destroy(j.scene);
 }
-END_TEST
 
 /* One workspace over load steps; nothing is allocated. */
-START_TEST(load_steps) {
+TEST(load_steps) {
   static springs s;
   random_springs(6, &s);
   const int n = s.model.n;
@@ -689,15 +666,13 @@ START_TEST(load_steps) {
   ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
   /* NULL is 0 */
   ok(dls_primal_solve(work, NULL, NULL, s.mu, a.x, a.r, NULL, NULL, &error));
-  for (int i = 0; i < n; i++)
-    ck_assert(a.x[i] == 0);
+  assert_all(a.x, n, 0);
   dls_primal_destroy(work);
 }
-END_TEST
 
 /* The fixed point need not converge: u_t = (5 - b) / K_tt and b = mu (1 + K_nt u_t) multiply an
  * error of b by -3.6. The answer is u_t = 1 / 4.6. */
-START_TEST(fixed_point_cycles) {
+TEST(fixed_point_cycles) {
   springs s = {.K = {1, .9, .9, 1}, .f = {-1, 5}, .mu = {4}};
   set_node(&s, 0, 0, 1, 0);
   finish(&s, 2, 1, DLS_STIFFNESS_DENSE);
@@ -708,7 +683,6 @@ START_TEST(fixed_point_cycles) {
   ck_assert_int_eq(a.info.iterations, 500);
   ck_assert(a.info.laws.residual > 1e-3);
 }
-END_TEST
 
 /* A chain of n - 2 unit springs from a wall to the contact, whose normal stands at the end. */
 static void make_chain(springs *s, int n) {
@@ -732,7 +706,7 @@ static void make_chain(springs *s, int n) {
  * chain is slow: 50 sweeps earlier the certificate does not hold yet. The short ones take more than
  * 50 and more than 100 sweeps, before which x, and the floors with it, had settled: one sweep
  * earlier the certificate does not hold. */
-START_TEST(floors_are_kept_up_to_date) {
+TEST(floors_are_kept_up_to_date) {
   static const struct {
     int n, least, earlier;
   } chain[] = {{most, 1000, 50}, {7, 100, 1}, {6, 50, 1}};
@@ -748,9 +722,8 @@ START_TEST(floors_are_kept_up_to_date) {
     ck_assert_int_eq(run_springs(&s, &settings, &a), DLS_MAX_ITERATIONS);
   }
 }
-END_TEST
 
-START_TEST(overflow_is_not_solved) { /* f^2 / K_ii is not a number of this arithmetic */
+TEST(overflow_is_not_solved) { /* f^2 / K_ii is not a number of this arithmetic */
   springs s = {.K = {2, 0, 0, 1}, .f = {-1e200, 1e200}, .mu = {1}};
   set_node(&s, 0, 0, 1, 0);
   finish(&s, 2, 1, DLS_STIFFNESS_DENSE);
@@ -758,7 +731,6 @@ START_TEST(overflow_is_not_solved) { /* f^2 / K_ii is not a number of this arith
   answer a;
   ck_assert_int_eq(run_springs(&s, &settings, &a), DLS_STALLED);
 }
-END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
@@ -775,12 +747,11 @@ static void expect_create(const dls_model *model, const dls_primal_settings *set
   ck_assert_int_eq(dls_primal_create(&work, model, settings, NULL), status);
 }
 
-START_TEST(bad_settings) {
+TEST(bad_settings) {
   static springs s;
   random_springs(6, &s);
   const dls_primal_settings good = primal_tol(1e-8);
-  ck_assert_int_eq(dls_primal_create(NULL, &s.model, &good, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "out");
+  REFUSES(ARGUMENT, "out", -1, dls_primal_create, NULL, &s.model, &good);
   dls_primal *work;
   ck_assert_int_eq(dls_primal_create(&work, &s.model, NULL, &error), DLS_OK); /* the defaults */
   dls_primal_destroy(work);
@@ -809,9 +780,8 @@ START_TEST(bad_settings) {
   dls_primal_settings_init(NULL);
   dls_primal_destroy(NULL);
 }
-END_TEST
 
-START_TEST(bad_model) {
+TEST(bad_model) {
   static springs a, b;
   random_springs(6, &a); /* 7 contact nodes, 32 unknowns, dense */
   const int n = a.model.n, nodes = a.model.nodes;
@@ -873,10 +843,9 @@ START_TEST(bad_model) {
         b.kx[0] = b.kx[1] = DBL_MAX),
        DLS_E_NOT_FINITE, "Ks", -1);
 }
-END_TEST
 
 /* Positive diagonal, and still not positive definite: found on the way, wherever x starts. */
-START_TEST(negative_curvature) {
+TEST(negative_curvature) {
   springs s = {
       .K = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 2, 1}, .f = {-1, 0, 1, 1.5}, .mu = {.5}};
   set_node(&s, 0, 0, 1, 0);
@@ -890,15 +859,13 @@ START_TEST(negative_curvature) {
     memset(&a, 7, sizeof a);
     same = a;
     ok(dls_primal_create(&work, &s.model, &settings, &error));
-    ck_assert_int_eq(dls_primal_solve(work, s.f, s.g, s.mu, a.x, a.r, a.u, &a.info, &error),
-                     DLS_E_NOT_POSITIVE_DEFINITE);
-    ck_assert_str_eq(error.argument, "K");
-    ck_assert(error.value < 0 && error.value >= -1); /* -1: the lowest eigenvalue */
+    REFUSES(NOT_POSITIVE_DEFINITE, "K", -1, dls_primal_solve, work, s.f, s.g, s.mu, a.x, a.r, a.u,
+            &a.info);
+    ck_assert(last_refusal.value < 0 && last_refusal.value >= -1); /* -1: the lowest eigenvalue */
     ck_assert_mem_eq(&a, &same, sizeof a);
     dls_primal_destroy(work);
   }
 }
-END_TEST
 
 static void expect_solve(dls_primal *work, const double *f, const double *g, const double *mu,
                          double *x, double *r, dls_status status, const char *argument,
@@ -918,7 +885,7 @@ static void expect_solve(dls_primal *work, const double *f, const double *g, con
   if (r) ck_assert_mem_eq(r, r_before, sizeof r_before);
 }
 
-START_TEST(bad_solve) {
+TEST(bad_solve) {
   static springs s;
   random_springs(6, &s);
   dls_primal_settings settings = primal_tol(1e-8);
@@ -947,24 +914,12 @@ START_TEST(bad_solve) {
   expect_solve(work, f, g, mu, x, NULL, DLS_E_ARGUMENT, "r", -1);
   dls_primal_destroy(work);
 }
-END_TEST
 
-START_TEST(no_memory) {
+TEST(no_memory) {
   static springs s;
   random_springs(7, &s);
   const dls_primal_settings settings = primal_tol(1e-8);
   dls_primal *work;
   MALLOCS_FAIL(dls_primal_create(&work, &s.model, &settings, &error), !work, DLS_OK, 1);
   dls_primal_destroy(work);
-}
-END_TEST
-
-int main(void) {
-  return RUN("primal", NULL, NULL, EACH(by_hand, 0, 2 * hand_count), EACH(random_system, 0, 40),
-             EACH(certificate_of_an_early_end, 0, 24), EACH(ends_of_arrays, 0, 4),
-             EACH(units, 0, 16), EACH(mixed_units, 0, 16), EACH(tolerance_zero, 0, 20),
-             ONCE(load_steps), ONCE(fixed_point_cycles), ONCE(floors_are_kept_up_to_date),
-             ONCE(overflow_is_not_solved), EACH(jean_block, 0, 2), EACH(acceleration_pays, 0, 2),
-             ONCE(stopped_early), EACH(weighted_is_refused, 0, 2), ONCE(bad_settings),
-             ONCE(bad_model), ONCE(negative_curvature), ONCE(bad_solve), ONCE(no_memory));
 }

@@ -1,13 +1,8 @@
 /* test_rest.c: structures at rest, a stage of auto. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "auto/auto.h"
 #include "cases.h"
 #include "delassus/solve.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "rigid.h"
 #include "run.h"
 
@@ -44,7 +39,7 @@ static dls_status rest(structure *s, const dls_limits *limits, dls_info *info) {
 }
 
 /* Splitting is enough; its count grows little with the size. */
-START_TEST(structures) {
+TEST_EACH(structures, 0, 10) {
   static const char *const kinds[] = {"wall-rest",  "wall-pushed", "rubble-rest", "rubble-pushed",
                                       "wall3-rest", "chain",       "chain3",      "arch",
                                       "arch3",      "tower"};
@@ -52,51 +47,45 @@ START_TEST(structures) {
   for (int size = 200; size <= 3200; size *= 4) {
     structure s = build(kinds[_i], size, 0.5);
     dls_info info;
-    dls_certificate c;
     ck_assert_msg(rest(&s, &limits, &info) == DLS_OK, "%s, %d", kinds[_i], size);
-    ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &c, NULL), DLS_OK);
+    const dls_certificate c = certificate_of(&s.a.contact, s.r);
     ck_assert(dls_certificate_holds(&c, 1e-8));
     ck_assert_int_le(info.iterations, 100);
     ck_assert_int_le(info.factorisations, 3);
     tear_down(&s);
   }
 }
-END_TEST
 
 /* The interior point: a wall near the load at which it slides, 2D, and one pushed across, 3D. */
-START_TEST(near_the_limit) {
+TEST_EACH(near_the_limit, 0, 2) {
   const dls_limits limits = {.tol = 1e-8};
   structure s = _i ? build("wall3-pushed", 1500, 0.32) : build("wall-pushed", 2500, 0.305);
   dls_info info;
-  dls_certificate c;
   ck_assert_int_eq(rest(&s, &limits, &info), DLS_OK);
-  ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(&s.a.contact, s.r);
   ck_assert(dls_certificate_holds(&c, 1e-8));
   ck_assert_int_gt(info.factorisations, 8);
   ck_assert_int_le(info.factorisations, 30);
   tear_down(&s);
 }
-END_TEST
 
 /* A wall that slides, where the convex problem has another answer: not solved, and no worse than
  * r = 0. */
-START_TEST(slides) {
+TEST(slides) {
   const dls_limits limits = {.tol = 1e-8};
   structure s = build("wall-pushed", 600, 0.2);
   dls_info info;
-  dls_certificate c, zero;
-  ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &zero, NULL), DLS_OK);
+  const dls_certificate zero = certificate_of(&s.a.contact, s.r);
   ck_assert_int_eq(rest(&s, &limits, &info), DLS_STALLED);
-  ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(&s.a.contact, s.r);
   ck_assert(!dls_certificate_holds(&c, 1e-8));
   ck_assert(c.residual == info.certificate.residual && c.residual < zero.residual);
   tear_down(&s);
 }
-END_TEST
 
 /* Units of W and q that are powers of two change no bit; candidates without friction have no
  * tangential reaction. */
-START_TEST(units_and_smooth_candidates) {
+TEST(units_and_smooth_candidates) {
   const dls_limits limits = {.tol = 1e-8};
   structure s = build("wall3-rest", 300, 0.5), t = build("wall3-rest", 300, 0.5);
   dls_info one, other;
@@ -116,10 +105,9 @@ START_TEST(units_and_smooth_candidates) {
   tear_down(&s);
   tear_down(&t);
 }
-END_TEST
 
 /* W not symmetric, and a candidate whose W_cc is 0: given back at once. */
-START_TEST(not_its_problem) {
+TEST_EACH(not_its_problem, 0, 2) {
   const dls_limits limits = {.tol = 1e-8};
   structure s = build("wall-rest", 200, 0.5);
   const int *p = s.a.p;
@@ -132,14 +120,13 @@ START_TEST(not_its_problem) {
   ck_assert_int_eq(info.factorisations, 0);
   tear_down(&s);
 }
-END_TEST
 
 static int third(void *data, const dls_progress *progress) {
   *(int *)data = progress->iteration;
   return progress->iteration == 3;
 }
 
-START_TEST(cancelled) {
+TEST(cancelled) {
   int iteration = 0;
   const dls_limits limits = {.tol = 1e-8, .progress = third, .progress_data = &iteration};
   structure s = build("arch", 200, 0.5);
@@ -149,7 +136,6 @@ START_TEST(cancelled) {
   ck_assert_int_eq(info.iterations, 3);
   tear_down(&s);
 }
-END_TEST
 
 /* It ends in this way before its first iteration, after so many factorisations. */
 static void ends_at_once(const char *kind, int size, double cpu_seconds, dls_status status,
@@ -164,18 +150,16 @@ static void ends_at_once(const char *kind, int size, double cpu_seconds, dls_sta
 }
 
 /* A factorisation that would take more than the sweeps it saves is not begun, (AR11). */
-START_TEST(too_much_fill) {
+TEST(too_much_fill) {
   ends_at_once("packing-rest", 30000, 0, DLS_STALLED, 0);
 }
-END_TEST
 
 /* The time is over before the first factorisation is done. */
-START_TEST(time_is_over_in_a_factorisation) {
+TEST(time_is_over_in_a_factorisation) {
   ends_at_once("wall3-rest", 3200, 1e-4, DLS_TIME_LIMIT, 1);
 }
-END_TEST
 
-START_TEST(failing_mallocs) {
+TEST_EACH(failing_mallocs, 0, 2) {
   const dls_limits limits = {.tol = 1e-8};
   structure s = build(_i ? "chain" : "wall-pushed", 200, 0.5);
   dls_info info;
@@ -183,14 +167,12 @@ START_TEST(failing_mallocs) {
   MALLOCS_FAIL(rest(&s, &limits, &info), s.r[0] == 9, DLS_OK, 11);
   tear_down(&s);
 }
-END_TEST
 
 /* auto takes the stage, and ends with it on a long chain, too. */
-START_TEST(stage_of_auto) {
+TEST_EACH(stage_of_auto, 0, 2) {
   structure s = build("chain", _i ? 40000 : 2000, 0.5);
-  dls_solver_settings settings;
   dls_info info;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   const dls_status status = dls_solve(&s.a.contact, &settings, s.r, NULL, &info, NULL);
   ck_assert_int_eq(status, DLS_OK);
   ck_assert_int_eq(info.stages, 2);
@@ -198,7 +180,6 @@ START_TEST(stage_of_auto) {
   ck_assert(info.certificate.residual <= 1e-8);
   tear_down(&s);
 }
-END_TEST
 
 START_TEST(without_dissection) { /* and auto goes on */
   const dls_limits limits = {.tol = 1e-8};
@@ -207,12 +188,8 @@ START_TEST(without_dissection) { /* and auto goes on */
   ck_assert_int_eq(rest(&s, &limits, &info), DLS_E_UNSUPPORTED);
   tear_down(&s);
 }
-END_TEST
 
 int main(void) {
-  if (!WITH_MUMPS) return RUN("rest", NULL, NULL, ONCE(without_dissection));
-  return RUN("rest", NULL, NULL, EACH(structures, 0, 10), EACH(near_the_limit, 0, 2), ONCE(slides),
-             ONCE(units_and_smooth_candidates), EACH(not_its_problem, 0, 2), ONCE(cancelled),
-             ONCE(too_much_fill), ONCE(time_is_over_in_a_factorisation),
-             EACH(failing_mallocs, 0, 2), EACH(stage_of_auto, 0, 2));
+  if (!WITH_MUMPS) return run_alone(without_dissection, 0, 1);
+  return run_tests("rest", NULL, NULL);
 }

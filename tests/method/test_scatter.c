@@ -1,12 +1,8 @@
 /* test_scatter.c: Newton's method from scattered starts, a stage of auto. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "auto/auto.h"
 #include "cases.h"
 #include "linear/room.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -53,23 +49,21 @@ static dls_status scatter(const dls_contact *p, const dls_limits *limits, double
   return status;
 }
 
-START_TEST(finds_what_is_there) {
+TEST_EACH(finds_what_is_there, 0, 12) {
   static model a;
   const dls_limits limits = {.tol = 1e-10};
   double r[most], again[most];
   dls_info info;
-  dls_certificate c;
   if (_i)
     deficient_model(&a, _i);
   else
     slippery(&a);
   ck_assert_int_eq(scatter(&a.p, &limits, r, &info), DLS_OK);
-  ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(&a.p, r);
   ck_assert(dls_certificate_holds(&c, 1e-10));
   ck_assert_int_eq(scatter(&a.p, &limits, again, NULL), DLS_OK);
   ck_assert_mem_eq(r, again, (size_t)(a.p.d * a.p.nc) * sizeof *r);
 }
-END_TEST
 
 static int third_call(void *data, const dls_progress *progress) {
   int *calls = data;
@@ -78,7 +72,7 @@ static int third_call(void *data, const dls_progress *progress) {
 }
 
 /* W = 0 and q_n < 0: no solution. */
-START_TEST(keeps_to_limits) {
+TEST(keeps_to_limits) {
   static model a;
   double r[most] = {0};
   int calls = 0;
@@ -97,18 +91,11 @@ START_TEST(keeps_to_limits) {
   limits = (dls_limits){.tol = 1e-8};
   ck_assert_int_eq(scatter(&a.p, &limits, r, &info), DLS_STALLED);
 }
-END_TEST
 
-START_TEST(failing_mallocs_unwind) {
+TEST(failing_mallocs_unwind) {
   static model a;
   const dls_limits limits = {.tol = 1e-10};
   double r[most] = {9};
   slippery(&a);
   MALLOCS_FAIL(scatter(&a.p, &limits, r, NULL), r[0] == 9, DLS_OK, 4);
-}
-END_TEST
-
-int main(void) {
-  return RUN("scatter", NULL, NULL, EACH(finds_what_is_there, 0, 12), ONCE(keeps_to_limits),
-             ONCE(failing_mallocs_unwind));
 }

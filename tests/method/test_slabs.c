@@ -1,12 +1,7 @@
 /* test_slabs.c: slabs (vi/sweep/slabs.c), and sweeps on several threads. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "rigid.h"
 #include "run.h"
 #include "vi/vi_internal.h"
@@ -19,7 +14,7 @@ static void slabs_make(const char *kind, int candidates, uint64_t number) {
 
 /* Each candidate stands in one slab; no row of u, or no body, is changed by two slabs of a
  * parity. */
-START_TEST(slabs_of_a_parity_share_nothing) {
+TEST_EACH(slabs_of_a_parity_share_nothing, 0, 8) {
   static const char *const kind[] = {"packing-flow", "wall-rest", "chain", "tower"};
   slabs_make(kind[_i / 2], 1500, 3);
   const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
@@ -51,10 +46,9 @@ START_TEST(slabs_of_a_parity_share_nothing) {
   dlsi_slabs_free(&slabs);
   rigid_free(&s);
 }
-END_TEST
 
 /* A loop goes in pieces of 512 or more, at most 64. */
-START_TEST(pieces_of_a_loop) {
+TEST(pieces_of_a_loop) {
   static const int cases[][2] = {{1023, 1},   {1024, 2},   {1535, 2},  {1536, 3},
                                  {32767, 63}, {32768, 64}, {33280, 64}};
   for (int k = 0; k < 7; k++)
@@ -64,7 +58,6 @@ START_TEST(pieces_of_a_loop) {
   ck_assert_int_eq(dlsi_piece(10, 3, 2), 6);
   ck_assert_int_eq(dlsi_piece(10, 3, 3), 10);
 }
-END_TEST
 
 enum { chain_most = 140 };
 
@@ -90,7 +83,7 @@ static dls_contact slabs_chain(int nc, int gap, int of_bodies) {
  * the one before: 129; 128, 127; 126, 125; .. A slab ends with the level that makes it 64: 1 + 2 *
  * 32 candidates, 2 * 32, and 0. Between bodies each level is one candidate. A chain of 70 and
  * another of 70: the second slab holds what is left of the first, 4 .. 0, and 139 .. 81. */
-START_TEST(slabs_of_chains) {
+TEST(slabs_of_chains) {
   static const struct {
     int nc, gap, of_bodies, start[4];
     int range[4][2]; /* of candidates, ascending, one after the other */
@@ -119,14 +112,12 @@ START_TEST(slabs_of_chains) {
   }
   dlsi_slabs_free(&slabs);
 }
-END_TEST
 
 /* Solves with so many threads; r is the caller's, m. */
 static dls_info solve_with(const dls_contact *p, int threads, dls_acceleration acceleration,
                            dls_method method, double *r) {
-  dls_solver_settings settings;
   dls_info info;
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   ck_assert_int_eq(settings.limits.threads, 1);
   settings.limits.threads = threads;
   settings.limits.tol = 1e-3;
@@ -140,7 +131,7 @@ static dls_info solve_with(const dls_contact *p, int threads, dls_acceleration a
 
 /* One, two, three and seven threads give the same bits, plain and with momentum, by blocks and of
  * bodies, with slabs and, below 4,000 contacts, without. */
-START_TEST(bits_do_not_depend_on_threads) {
+TEST_EACH(bits_do_not_depend_on_threads, 0, 12) {
   slabs_make("packing-flow", _i < 6 ? 6000 : 1200, 3);
   const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
   const int kind = _i / 2 % 3;
@@ -160,10 +151,9 @@ START_TEST(bits_do_not_depend_on_threads) {
   free(r);
   rigid_free(&s);
 }
-END_TEST
 
 /* A dense W beyond the cache: the bits of one thread. */
-START_TEST(dense_on_threads) {
+TEST(dense_on_threads) {
   enum { nc = 700, m = 3 * nc };
   double *W = calloc((size_t)m * (size_t)m, sizeof *W);
   double *q = malloc(3 * sizeof *q * (size_t)m), *r = q + m;
@@ -183,11 +173,10 @@ START_TEST(dense_on_threads) {
   free(W);
   free(q);
 }
-END_TEST
 
 /* From 1000 candidates on sweeps on bodies look every 5: what they say holds, and they keep to the
  * limit and to a callback. */
-START_TEST(bodies_stop_in_time) {
+TEST(bodies_stop_in_time) {
   slabs_make("packing-rest", 2400, 3);
   const dls_contact *p = &s.factored;
   double *r = malloc((size_t)(s.d * p->nc) * sizeof *r);
@@ -199,19 +188,16 @@ START_TEST(bodies_stop_in_time) {
     settings.acceleration = most_sweeps % 2 ? DLS_ACCELERATION_NONE : DLS_ACCELERATION_MOMENTUM;
     dls_nlgs *work;
     dls_info info;
-    dls_certificate c;
     ck_assert_int_eq(dls_nlgs_create(&work, s.d, p->nc, &settings, NULL), DLS_OK);
     ck_assert_int_eq(dls_nlgs_solve(work, p, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
     ck_assert_int_eq(info.iterations, most_sweeps);
-    ck_assert_int_eq(dls_contact_certify(p, r, NULL, &c, NULL), DLS_OK);
+    const dls_certificate c = certificate_of(p, r);
     ck_assert(c.residual == info.certificate.residual && c.residual < 1);
     dls_nlgs_destroy(work);
   }
   watch w = {NULL, 0, 1e300, 0, 2};
-  dls_solver_settings settings;
   dls_info info;
-  dls_solver_settings_init(&settings);
-  settings.method = DLS_NLGS;
+  dls_solver_settings settings = settings_with(DLS_NLGS, default_tol);
   settings.limits.progress = look;
   settings.limits.progress_data = &w;
   ck_assert_int_eq(dls_solve(p, &settings, r, NULL, &info, NULL), DLS_CANCELLED);
@@ -219,17 +205,15 @@ START_TEST(bodies_stop_in_time) {
   free(r);
   rigid_free(&s);
 }
-END_TEST
 
 /* Auto solves a packing at rest to 1e-8, where sweeps on the factors are not its last stage; and
  * what all candidates of one body leave of W is refused by those that form it, and swept. */
-START_TEST(bodies_beyond_sweeps) {
+TEST(bodies_beyond_sweeps) {
   slabs_make("wall-pushed", TEST_SMALL ? 600 : 1300, 3);
   double *r = malloc((size_t)(s.d * s.contact.nc) * sizeof *r);
-  dls_solver_settings settings;
   dls_info info;
   ck_assert_ptr_nonnull(r);
-  dls_solver_settings_init(&settings);
+  dls_solver_settings settings = settings_with(DLS_AUTO, default_tol);
   ck_assert_int_eq(dls_solve(&s.factored, &settings, r, NULL, &info, NULL), DLS_OK);
   ck_assert(info.stages > 1 && info.factorisations > 0);
   free(r);
@@ -268,32 +252,19 @@ START_TEST(bodies_beyond_sweeps) {
   free(mu);
   free(x);
 }
-END_TEST
 
 /* Each malloc of a first solve with threads and momentum may fail. */
-START_TEST(memory_of_threads) {
+TEST_EACH(memory_of_threads, 0, 2) {
   slabs_make("packing-flow", 6000, 3);
   const dls_contact *p = _i ? &s.factored : &s.contact;
   double *r = calloc((size_t)(s.d * p->nc), sizeof *r);
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = DLS_NLGS;
+  dls_solver_settings settings = settings_with(DLS_NLGS, default_tol);
   settings.acceleration = DLS_ACCELERATION_MOMENTUM;
   settings.limits.threads = 2;
   settings.limits.max_iterations = 1;
   MALLOCS_FAIL(dls_solve(p, &settings, r, NULL, NULL, NULL), r[0] == 0, DLS_MAX_ITERATIONS, 3);
   settings.limits.threads = -1;
-  dls_error error;
-  ck_assert_int_eq(dls_solve(p, &settings, r, NULL, NULL, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "threads");
+  REFUSES(ARGUMENT, "threads", -1, dls_solve, p, &settings, r, NULL, NULL);
   free(r);
   rigid_free(&s);
-}
-END_TEST
-
-int main(void) {
-  return RUN("slabs", NULL, NULL, EACH(slabs_of_a_parity_share_nothing, 0, 8),
-             ONCE(pieces_of_a_loop), ONCE(slabs_of_chains),
-             EACH(bits_do_not_depend_on_threads, 0, 12), ONCE(dense_on_threads),
-             ONCE(bodies_stop_in_time), ONCE(bodies_beyond_sweeps), EACH(memory_of_threads, 0, 2));
 }

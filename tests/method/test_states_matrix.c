@@ -2,14 +2,8 @@
  * test_states_matrix.c: A = R W E + L of chosen states against differences of the laws, its two
  * storages, its solves, and the products with R and E.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "contact/contact.h"
-#include "malloc_fails.h"
 #include "run.h"
 #include "vi/newton/states_matrix.h"
 
@@ -51,12 +45,13 @@ static void laws_of(int d, const dlsi_branch *b, const double *r, const double *
 
 /* A y is the difference of the laws where r goes along E y: mu |r_t| to second order. The law
  * across has the sign of u_t along r_t, which is against it: choose u so. */
-START_TEST(derivative_of_the_laws) {
+TEST_EACH(derivative_of_the_laws, 0, 44) {
+  const int number = _i < 40 ? _i : normal_models + _i - 40;
   chosen x;
   static double A[most * most], column[most];
   int row[most];
   const double h = 1e-6;
-  choose(&x, _i);
+  choose(&x, number);
   const dls_contact *p = &x.a.p;
   double q[most];
   for (int c = 0; c < p->nc; c++) { /* slip against r_t: u_t := -2 r_t, u_n := 0 */
@@ -84,10 +79,9 @@ START_TEST(derivative_of_the_laws) {
       ck_assert_double_le(fabs((F[0][i] - F[1][i]) / (2 * h) - A[i + j * x.n]), 1e-8);
   }
 }
-END_TEST
 
 /* By blocks: the same A but for the order of sums; with a shift on its diagonal. */
-START_TEST(two_storages) {
+TEST_EACH(two_storages, 0, 40) {
   chosen x;
   block_storage B;
   static double A[2][most * most], column[most];
@@ -106,10 +100,9 @@ START_TEST(two_storages) {
     for (int j = x.branch[c].first; j < x.branch[c].first + x.branch[c].count; j++)
       ck_assert_double_le(fabs(A[0][j * (x.n + 1)] - A[1][j * (x.n + 1)] - shift[c]), 1e-13 * most);
 }
-END_TEST
 
 /* (SM3) R = E^T: E^T W E + L and shift_c E^T E, in both storages. */
-START_TEST(symmetric_rows) {
+TEST_EACH(symmetric_rows, 0, 40) {
   chosen x;
   block_storage B;
   static double A[2][most * most], column[most];
@@ -148,10 +141,9 @@ START_TEST(symmetric_rows) {
       ck_assert(w[k] == e[k]); /* R^T = E */
   }
 }
-END_TEST
 
 /* v.(E y) = (E^T v).y, v.(R^T y) = (R v).y */
-START_TEST(adjoint_products) {
+TEST_EACH(adjoint_products, 0, 40) {
   chosen x;
   choose(&x, _i);
   const int d = x.a.p.d, nc = x.a.p.nc;
@@ -168,11 +160,10 @@ START_TEST(adjoint_products) {
     ck_assert_double_le(fabs(sum[0] - sum[1]), 1e-13 * most);
   }
 }
-END_TEST
 
 /* A row of contacts, dense and (more than dense_limit unknowns) by MUMPS: |A x - b| and
  * |A^T x - b|. */
-START_TEST(solves) {
+TEST_EACH(solves, 0, 2) {
   dls_contact problem[2];
   static double A[row_m * row_m], column[row_m], r[row_m], u[row_m], b[row_m], x[row_m];
   static dls_contact_state state[row_nc];
@@ -203,22 +194,13 @@ START_TEST(solves) {
   }
   dlsi_states_destroy(work);
 }
-END_TEST
 
 /* Each allocation fails in turn. */
-START_TEST(memory) {
+TEST_EACH(memory, 0, 2) {
   dls_contact problem[2];
   dlsi_states_matrix *work;
   row_problem(0, &problem[0], &problem[1]);
   MALLOCS_FAIL(dlsi_states_create(&work, &problem[_i], NULL), !work, DLS_OK, 2);
   dlsi_states_destroy(work);
   dlsi_states_destroy(NULL);
-}
-END_TEST
-
-int main(void) {
-  return RUN("states_matrix", NULL, NULL, EACH(derivative_of_the_laws, 0, 40),
-             EACH(derivative_of_the_laws, normal_models, normal_models + 4),
-             EACH(symmetric_rows, 0, 40), EACH(two_storages, 0, 40), EACH(adjoint_products, 0, 40),
-             EACH(solves, 0, 2), EACH(memory, 0, 2));
 }

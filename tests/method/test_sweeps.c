@@ -1,13 +1,8 @@
 /* test_sweeps.c: every iterate of Gauss-Seidel against (NL1)-(NL8) done one by one, with a product
  * by W for each contact. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus/nlgs.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -51,8 +46,7 @@ static void direct_begin(direct *t) {
   }
   dlsi_anderson_clear(&t->history);
   memcpy(t->x, t->r, sizeof t->x);
-  dls_certificate c;
-  ck_assert_int_eq(dls_contact_certify(t->p, t->r, NULL, &c, NULL), DLS_OK);
+  const dls_certificate c = certificate_of(t->p, t->r);
   t->accepted = c.residual;
 }
 
@@ -64,8 +58,7 @@ static void direct_accelerate(direct *t) {
   if (t->acceleration == DLS_ACCELERATION_MOMENTUM)
     (void)dlsi_momentum_step(&t->momentum, d, d, t->w, 1, all, all, t->r, t->u);
   if (t->acceleration != DLS_ACCELERATION_ANDERSON) return;
-  dls_certificate now;
-  ck_assert_int_eq(dls_contact_certify(t->p, t->r, NULL, &now, NULL), DLS_OK);
+  const dls_certificate now = certificate_of(t->p, t->r);
   if (t->history.columns && now.residual > 1.1 * t->accepted) { /* (NL7) */
     memcpy(t->r, t->history.g, (size_t)m * sizeof *t->r);
     dlsi_anderson_clear(&t->history);
@@ -126,7 +119,7 @@ static int watch_sweeps(void *data, const dls_progress *progress) {
 /* d = 1, 2, 3; W dense, whose columns go in fours, and by blocks; plain, with two relaxations, with
  * Anderson and momentum; from 0 and from an r outside of its cones. Two candidates have no friction
  * and two are pressed by nobody but their neighbours. */
-START_TEST(iterates_one_by_one) {
+TEST_EACH(iterates_one_by_one, 0, 60) {
   static model a;
   static block_storage B;
   static const double omegas[3] = {1, .75, 1.25};
@@ -166,9 +159,4 @@ START_TEST(iterates_one_by_one) {
   ck_assert_int_ge(t.sweeps, 2);
   dls_nlgs_destroy(work);
   free(t.arena.base);
-}
-END_TEST
-
-int main(void) {
-  return RUN("sweeps", NULL, NULL, EACH(iterates_one_by_one, 0, 60));
 }

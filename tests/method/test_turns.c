@@ -1,6 +1,4 @@
 /* test_turns.c: which variant is the fastest (vi/sweep/turns.c), on variants with known rates. */
-#include <check.h>
-
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -27,17 +25,16 @@ static int sweeps_of(int ways, const double *rate, double turn, int *way) {
 
 /* A way that halves the residual in less than the first price goes on to the end, whatever the
  * others might do. */
-START_TEST(quick_way_stays) {
+TEST(quick_way_stays) {
   const double rate[] = {0.99, 0.5, 0.5};
   int way[dlsi_most_ways];
   ck_assert_int_eq(sweeps_of(3, rate, 0, way), 1835); /* .99^1835 = 9.8e-9 */
   ck_assert_int_eq(way[0], 1835);
 }
-END_TEST
 
 /* Of a slow one and others that get nowhere each of the others has its turns; they take less than
  * the slow one does in all. */
-START_TEST(vain_ways_are_left) {
+TEST(vain_ways_are_left) {
   const double rate[] = {1, 0.999, 1};
   int way[dlsi_most_ways];
   const int sweeps = sweeps_of(3, rate, 0, way);
@@ -45,10 +42,9 @@ START_TEST(vain_ways_are_left) {
   ck_assert_int_lt(sweeps, 2 * way[1]);
   ck_assert(way[0] > 0 && way[2] > 0);
 }
-END_TEST
 
 /* The one way that helps near the end is found there. */
-START_TEST(ways_are_tried_again) {
+TEST(ways_are_tried_again) {
   const double rate[] = {0.98, 0.999, 0.99};
   int way[dlsi_most_ways];
   const int sweeps = sweeps_of(3, rate, 1e-4, way);
@@ -56,29 +52,21 @@ START_TEST(ways_are_tried_again) {
   ck_assert_int_eq(way[1], 150);
   ck_assert_int_eq(sweeps - way[0] - way[1], 910); /* .99^910 = 1.1e-4 */
 }
-END_TEST
 
 /* Where all are slow, the one that gets farthest in its turns has nearly all
  * of the sweeps. */
-START_TEST(slow_ways_are_compared) {
+TEST(slow_ways_are_compared) {
   const double rate[] = {0.9998, 0.9995, 0.9999};
   int way[dlsi_most_ways];
   const int sweeps = sweeps_of(3, rate, 0, way);
   ck_assert_int_gt(15 * way[1], 14 * sweeps);
   ck_assert(way[0] > 0 && way[2] > 0);
 }
-END_TEST
 
 /* A way alone goes on without end. */
-START_TEST(one_way_has_no_other) {
+TEST(one_way_has_no_other) {
   const double rate[] = {1, 0, 0};
   int way[dlsi_most_ways];
   ck_assert_int_eq(sweeps_of(1, rate, 0, way), 1000000);
   ck_assert_int_eq(way[0], 1000000);
-}
-END_TEST
-
-int main(void) {
-  return RUN("turns", NULL, NULL, ONCE(quick_way_stays), ONCE(vain_ways_are_left),
-             ONCE(ways_are_tried_again), ONCE(slow_ways_are_compared), ONCE(one_way_has_no_other));
 }

@@ -1,9 +1,5 @@
 /* test_unique.c: what W proves about other answers (vi/unique.c, dlsi_may_be_ambiguous of
  * vi/sweep/ambiguous.c), on both sides of bounds worked by hand, in any units. */
-#include <check.h>
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus/nlgs.h"
 #include "run.h"
@@ -21,7 +17,7 @@ static int one_is_unique(int d, const double *W, double mu) {
 
 /* (UN3) W_cc = diag(4, 1, 9) and g, g' beside the diagonal: the tangents' least eigenvalue is > 0
  * for |g + g'| < 2 * 3, and that of n and the smaller tangent for |g + g'| < 2 * 2. */
-START_TEST(each_pair_of_directions) {
+TEST_EACH(each_pair_of_directions, 0, 3) {
   static const int pair[3][2] = {{0, 1}, {0, 2}, {1, 2}};
   const int i = pair[_i][0], j = pair[_i][1];
   const double bound = _i < 2 ? 2 : 3;
@@ -35,10 +31,9 @@ START_TEST(each_pair_of_directions) {
       ck_assert_int_eq(one_is_unique(2, V, 0), side < 0);
     }
 }
-END_TEST
 
 /* (UN3) W_n coupled with both tangents; friction beside |W_t| = (2^2 + 1 + 9^2 + 5^2)^1/2. */
-START_TEST(directions_together) {
+TEST(directions_together) {
   for (int side = -1; side <= 1; side += 2) {
     const double g = sqrt(2) * (1 + 0.01 * side);
     const double W[9] = {4, g, g, g, 1, 0, g, 0, 9};
@@ -47,11 +42,10 @@ START_TEST(directions_together) {
     ck_assert_int_eq(one_is_unique(3, V, (1 + 0.01 * side) / sqrt(111)), side < 0);
   }
 }
-END_TEST
 
 /* (UN3) of two candidates, I and 4 I, that a block of b couples: in scaled rows 1 - mu |I_t| and
  * (|B| + mu |B_t|) / 2. */
-START_TEST(two_candidates) {
+TEST_EACH(two_candidates, 0, 3) {
   const int d = 1 + _i;
   const double mu[2] = {0.1, 0.1}, q[6] = {0}, w[2] = {1, 4};
   const double bound = 2 * (1 - 0.1 * sqrt(d - 1)) / (d + 0.1 * sqrt(d * (d - 1)));
@@ -67,11 +61,10 @@ START_TEST(two_candidates) {
     ck_assert_int_eq(dlsi_is_unique(&p, w, row, NULL), side < 0);
   }
 }
-END_TEST
 
 /* (UN2) 2 and g from one to the next, in whichever half: definite for |g| < 2 sqrt(2), where the
  * middle row is not dominant. */
-START_TEST(definite_without_friction) {
+TEST(definite_without_friction) {
   const double mu[3] = {0}, q[3] = {0}, w[3] = {2, 2, 2};
   for (int side = -1; side <= 1; side += 2) {
     const double g = 2 * sqrt(2) * (1 + 0.01 * side);
@@ -82,7 +75,6 @@ START_TEST(definite_without_friction) {
     ck_assert_int_eq(dlsi_is_unique(&p, w, row, NULL), 0);
   }
 }
-END_TEST
 
 /* ---- one candidate whatever the others do ---------------------------------------------------- */
 
@@ -104,7 +96,7 @@ static int is_ambiguous(int d, const double *W, double mu) {
 /* W_tt with eigenvalues 1 and 4 (2D: 4), along its axes or between them; W_nt = W_tt x, W_nn so
  * that s = 1: k = 1/2, and |x| = 1/4 allows mu < 1/4 + 1, |x| = 1 allows mu < 1, but for the margin
  * of 1 %. */
-START_TEST(one_candidate) {
+TEST_EACH(one_candidate, 0, 2) {
   static const double x[2][2] = {{0.15, 0.2}, {0.6, -0.8}}, bound[2] = {1.25, 1};
   const double *y = x[_i];
   const double a[2] = {2.5 * y[0] + 1.5 * y[1], 1.5 * y[0] + 2.5 * y[1]}, h = hypot(y[0], y[1]);
@@ -126,10 +118,9 @@ START_TEST(one_candidate) {
     ck_assert_int_eq(is_ambiguous(3, W, 0.1), 1);
   }
 }
-END_TEST
 
 /* Two candidates of c16, apart: with mu = 1 it sticks or slips in two ways, with less it slips. */
-START_TEST(each_has_its_own_friction) {
+TEST(each_has_its_own_friction) {
   const double B[9] = {2, -1, 2, -1, 2, 0, 2, 0, 3}, mu[2] = {1, 0.5}, u[6] = {0};
   double W[36] = {0}, r[6] = {6, 1, -5, 6, 1, -5}, q[6], other[6];
   for (int c = 0; c < 2; c++)
@@ -146,9 +137,8 @@ START_TEST(each_has_its_own_friction) {
   ck_assert(dlsi_nlgs_local(3, B, q, mu[0], own, NULL) != DLS_LOCAL_NONE);
   ck_assert(memcmp(own, other, sizeof own) == 0 && memcmp(r + 3, other + 3, sizeof own) == 0);
 }
-END_TEST
 
-START_TEST(not_definite) {
+TEST(not_definite) {
   const double indefinite[9] = {1, 0, 0, 0, 1, 1.5, 0, 1.5, 1};
   const double negative[9] = {1, 0, 0, 0, -1, 0.5, 0, 0.5, -1};
   const double one = 1, minus = -1, flat[4] = {1, 0, 0, -1}, below[4] = {1, 3, 3, 1};
@@ -158,11 +148,4 @@ START_TEST(not_definite) {
   ck_assert_int_eq(is_ambiguous(2, below, 0.1), 1);
   ck_assert_int_eq(is_ambiguous(1, &minus, 0), 1);
   ck_assert_int_eq(is_ambiguous(1, &one, 0), 0);
-}
-END_TEST
-
-int main(void) {
-  return RUN("unique", NULL, NULL, EACH(each_pair_of_directions, 0, 3), ONCE(directions_together),
-             EACH(two_candidates, 0, 3), ONCE(definite_without_friction), EACH(one_candidate, 0, 2),
-             ONCE(each_has_its_own_friction), ONCE(not_definite));
 }

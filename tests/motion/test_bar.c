@@ -3,9 +3,6 @@
  * for the finite element dynamic Signorini problem, SIAM J. Sci. Comput. 33 (2011). Each step meets
  * the energy identity and the momentum balance (moving_step).
  */
-#include <math.h>
-#include <string.h>
-
 #include "delassus/reduction.h"
 #include "moving.h"
 #include "reduced.h"
@@ -89,15 +86,14 @@ static bar_run bar_impact(dls_motion_law law, int N, int lumped, double theta) {
 /* Lumped mass, theta = 1/2: node 0 stops in one step. It loses its kinetic energy, l/(2 L) of E0,
  * and as much as the scheme has spread of it over its neighbours: E0 (l/L) sqrt(1 + nu^2) / 2 in
  * all, nu the Courant number; the rest comes back. */
-START_TEST(test_loss) {
+TEST(test_loss) {
   ck_assert_double_eq_tol(sqrt(1 + courant * courant) / 100, 0.01345362, 1e-8);
   for (int N = 50; N <= 100; N *= 2)
     ck_assert_double_eq_tol(1 - bar_impact(DLS_MOTION_VELOCITY, N, 1, 0.5).energy,
                             sqrt(1 + courant * courant) / (2 * N), 1e-9);
 }
-END_TEST
 
-START_TEST(test_impact) {
+TEST(test_impact) {
   const bar_run coarse = bar_impact(DLS_MOTION_VELOCITY, 100, 0, 0.5),
                 fine = bar_impact(DLS_MOTION_VELOCITY, 400, 0, 0.5);
   ck_assert_double_eq_tol(coarse.impulse, 198.845083, 1e-4);
@@ -107,7 +103,6 @@ START_TEST(test_impact) {
   ck_assert_double_lt(fine.variation, 800);
   ck_assert_double_eq_tol(bar_impact(DLS_MOTION_VELOCITY, 100, 0, 1).energy, 0.8312, 1e-4);
 }
-END_TEST
 
 static bar_run bar_fixed(int N) {
   const double h = courant / N;
@@ -119,14 +114,13 @@ static bar_run bar_fixed(int N) {
   return bar_go(moving_create(&model, &settings, x, NULL), h, 12, gap_fixed);
 }
 
-START_TEST(test_fixed) {
+TEST(test_fixed) {
   const bar_run coarse = bar_fixed(100), fine = bar_fixed(400);
   ck_assert_double_eq_tol(coarse.error, 2.951e-2, 0.03 * 2.951e-2);
   ck_assert_double_eq_tol(fine.error, 1.079e-2, 0.03 * 1.079e-2);
   ck_assert_double_eq_tol(coarse.energy, 0.991392, 1e-5);
   ck_assert_double_eq_tol(fine.energy, 0.997618, 1e-5);
 }
-END_TEST
 
 /* The gap form with theta < 1, which a motion refuses, by a loop of the host's own:
  *
@@ -180,7 +174,7 @@ static double own_gap_form(int N, double theta) {
 }
 
 /* Exact: 600. With theta = 1 the variation stays; with theta = 1/2 it grows as 1/h. */
-START_TEST(test_gap_form_with_half) {
+TEST(test_gap_form_with_half) {
   double one[2], half[2];
   for (int k = 0; k < 2; k++) {
     one[k] = own_gap_form(k ? 1600 : 100, 1);
@@ -190,10 +184,4 @@ START_TEST(test_gap_form_with_half) {
   ck_assert_double_lt(fmax(one[0], one[1]), 800);
   ck_assert_double_gt(half[0], 6000);
   ck_assert_double_gt(half[1], 4 * half[0]);
-}
-END_TEST
-
-int main(void) {
-  return RUN("bar", NULL, NULL, ONCE(test_loss), ONCE(test_impact), ONCE(test_fixed),
-             ONCE(test_gap_form_with_half));
 }

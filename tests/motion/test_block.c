@@ -2,10 +2,6 @@
  * test_block.c: elastic blocks: on a fast belt, and on a path. Each step meets the energy identity
  * and the momentum balance (moving_step).
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/fe.h"
 #include "moving.h"
 #include "run.h"
@@ -63,7 +59,7 @@ static void belt_run(double V, double h, double tol, double *p) {
  * run at V = 1 has the reactions of the others. Asked to 1e-6 in each of 200 steps, at V 10 with h
  * 1e-7 and V 1000 with h 1e-5, where |q| is V and the weight moves q_n by g h; with the tolerance
  * of a motion, and with 1e-8, that of a solver. */
-START_TEST(test_belt) {
+TEST_EACH(test_belt, 0, 4) {
   static double slow[2 * belt_nodes * belt_steps], fast[2 * belt_nodes * belt_steps];
   const double h = _i % 2 ? 1e-5 : 1e-7, V = _i % 2 ? 1000 : 10, tol = _i < 2 ? 0 : 1e-8;
   belt_run(1, h, 1e-14, slow);
@@ -80,7 +76,6 @@ START_TEST(test_belt) {
     ck_assert_msg(error <= 1e-6 * size, "step %d: %g of %g", k, error, size);
   }
 }
-END_TEST
 
 /* ---- warm start ------------------------------------------------------------------------------ */
 
@@ -139,7 +134,7 @@ static warm_run warm_go(dls_motion_law law, double tol, int warm) {
 /* A sweep gains a fixed factor, so a warm start saves those that a cold one needs to come as near
  * as p of the step before: log(1/change) of log(1/tol). Where p changes by .55 % in a step, on
  * this path, that is a fifth of the sweeps at 1e-12, and more than half of them at 1e-4. */
-START_TEST(test_warm) {
+TEST_EACH(test_warm, 0, 4) {
   const dls_motion_law law = _i < 2 ? DLS_MOTION_VELOCITY : DLS_MOTION_PATH;
   const double tol = _i % 2 ? 1e-4 : 1e-12;
   const warm_run cold = warm_go(law, tol, 0), warm = warm_go(law, tol, 1);
@@ -156,7 +151,6 @@ START_TEST(test_warm) {
   else
     ck_assert_double_ge(saved, 0.5);
 }
-END_TEST
 
 /* ---- the Jean block on a moving plane -------------------------------------------------------- */
 
@@ -197,7 +191,7 @@ static double jean_loss(const char *name, int weighted, double a, int steps) {
 /* J/m, as an independent program has them; a small amplitude shakes down: all sticks in the second
  * cycle. The weighted candidates carry their slip as well: they shake down at a smaller amplitude,
  * and their losses are of the same size. */
-START_TEST(test_jean) {
+TEST(test_jean) {
   ck_assert_double_eq_tol(jean_loss("jean-fig3", 0, 1e-5, 400), 9.35233, 1e-5);
   ck_assert_double_eq_tol(jean_loss("jean-fig3", 0, 1e-5, 1600), 9.35443, 1e-5);
   ck_assert_double_eq_tol(jean_loss("jean-fig3", 0, 4e-5, 400), 200.97623, 1e-5);
@@ -206,7 +200,6 @@ START_TEST(test_jean) {
   ck_assert_double_le(fabs(jean_loss("jean-fig3", 1, 1e-7, 400)), 1e-9);
   ck_assert_double_eq_tol(jean_loss("jean-fig4", 1, 1e-5, 400), 6.53362, 0.1);
 }
-END_TEST
 
 /* ---- two blocks ------------------------------------------------------------------------------ */
 
@@ -241,7 +234,7 @@ static void pair_load(double *f, int n, double p, double t) {
 /* An upper block that nothing but contact holds stands on a lower one, pressed and then sheared;
  * all sticks: the answer is that of one block, to 1e-11, and the free body is in equilibrium to
  * 1e-12. */
-START_TEST(test_two_blocks) {
+TEST(test_two_blocks) {
   enum { n = pair_n + 2 * pair_nodes };
   moving_begin(&parts, n);
   pair_add(tall, pair_line, 0, &parts.K);
@@ -295,10 +288,4 @@ START_TEST(test_two_blocks) {
   }
   dls_motion_destroy(motion);
   dls_motion_destroy(whole);
-}
-END_TEST
-
-int main(void) {
-  return RUN("block", NULL, NULL, EACH(test_belt, 0, 4), EACH(test_warm, 0, 4), ONCE(test_jean),
-             ONCE(test_two_blocks));
 }

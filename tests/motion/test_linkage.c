@@ -1,12 +1,6 @@
 /* test_linkage.c: moving bodies held by joints, given twice: multipliers in K or in M. */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/motion.h"
 #include "linkage.h"
-#include "malloc_fails.h"
 #include "run.h"
 
 static linkage L;
@@ -52,7 +46,7 @@ static dls_motion_model lean(int velocities) {
 /* Feet stick at friction .8 and slip at .3; the joint stays closed to rounding all along, for theta
  * = 1/2 and 1, with a K tagged DLS_CHOLESKY. Where M holds the multipliers, velocities are held,
  * and positions drift by their rounding. */
-START_TEST(leans) {
+TEST_EACH(leans, 0, 8) {
   const int slips = _i & 1, velocities = _i & 2;
   const double h = 1e-3, mu[2] = {slips ? .3 : .8, slips ? .3 : .8};
   const double thrust = weight / tan(angle) / 2;
@@ -100,9 +94,8 @@ START_TEST(leans) {
     ck_assert(s.x[1] < -.01 && fabs(s.x[1] - s.x[4]) <= 1e-12);
   dls_motion_destroy(motion);
 }
-END_TEST
 
-START_TEST(failing_mallocs) {
+TEST(failing_mallocs) {
   dls_motion_settings settings;
   dls_motion_settings_init(&settings);
   settings.h = 1e-3;
@@ -111,8 +104,7 @@ START_TEST(failing_mallocs) {
   MALLOCS_FAIL(dls_motion_create(&motion, &model, &settings, NULL), !motion, DLS_OK, 1);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 int main(void) {
-  return RUN("linkage", NULL, forget, EACH(leans, 0, 8), ONCE(failing_mallocs));
+  return run_tests("linkage", NULL, forget);
 }

@@ -1,11 +1,4 @@
 /* test_motion.c: laws in closed form, what a motion keeps, wrong input, failing mallocs. */
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "errors.h"
-#include "malloc_fails.h"
 #include "moving.h"
 #include "run.h"
 
@@ -27,7 +20,7 @@ static dls_motion_model point_model(double mass, double k, double gap) {
 
 /* A ball, v = -3, meets a racket that rises with V = 2, e = 1/2: v+ = V + e (V - v) = 4.5; p = m
  * (v+ - v) = 7.5; the racket gives p V = 15, the impact takes p (u+ + u)/2 = 7.5 (2.5 - 5)/2. */
-START_TEST(test_racket) {
+TEST(test_racket) {
   const dls_motion_model model = point_model(1, 0, 0);
   dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 1e-3);
   settings.restitution = 0.5;
@@ -45,11 +38,10 @@ START_TEST(test_racket) {
   ck_assert_double_eq_tol(s.gap[0], 1e-3 * (0.5 * (4.5 - 3) + 4.5 - 2 * 2), 1e-15);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* The gap form ends the step of the impact at gap = 0, not below, with what is left of the speed;
  * the next one stops the ball. */
-START_TEST(test_gap_form) {
+TEST(test_gap_form) {
   const dls_motion_model model = point_model(2, 0, 0.25);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_GAP, 0.1);
   const double v[2] = {0, -1};
@@ -62,11 +54,10 @@ START_TEST(test_gap_form) {
   }
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Without contact nodes a spring swings: with theta = 1/2, cos(w t), tan(w h/2) = h/2, without
  * loss; with theta = 1 the scheme takes energy, which it says. */
-START_TEST(test_swing) {
+TEST(test_swing) {
   moving_begin(&parts, 1);
   moving_add(&parts.M, 0, 0, 1);
   moving_add(&parts.K, 0, 0, 1);
@@ -85,11 +76,10 @@ START_TEST(test_swing) {
     dls_motion_destroy(motion);
   }
 }
-END_TEST
 
 /* Damping, theta = 1/2, m = c = 1: v+ = v (1 - h/2)/(1 + h/2); the work of the damper is what is
  * lost. */
-START_TEST(test_damping) {
+TEST(test_damping) {
   moving_begin(&parts, 1);
   moving_add(&parts.M, 0, 0, 1);
   moving_add(&parts.C, 0, 0, 1);
@@ -103,13 +93,12 @@ START_TEST(test_damping) {
   ck_assert_double_eq_tol(moving_energies(motion).damping, 0.18 - 0.5, 1e-15);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* A path: pressed by 10, sheared, mu = 1/2, k = 1. F = 8 moves the point by F - mu N = 3; without
  * F it springs back to mu N = 5 at most, so it stays at 3 and friction takes what it had given
  * back to hold it: r_t = 3. A belt that then goes by -4 takes it along to -1; one more -9 leaves it
  * where friction gives up, x = -5. The answer to F = 0 depends on the path. */
-START_TEST(test_path) {
+TEST(test_path) {
   const dls_motion_model model = point_model(0, 1, 0.5);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_PATH, 1);
   const struct {
@@ -128,8 +117,7 @@ START_TEST(test_path) {
     const dls_motion_state s = moving_step(motion, f, y, &mu);
     ck_assert_double_eq_tol(s.x[0], at[k].x, 1e-12); /* r_n = 10 - .5 k, y = -.5: mu r_n = 4.75 */
     ck_assert_double_eq_tol(s.x[1], -0.5, 1e-12);
-    ck_assert_double_eq_tol(s.p[0], 9.5, 1e-11);
-    ck_assert_double_eq_tol(s.p[1], at[k].r, 1e-11);
+    assert_near(s.p, (double[]){9.5, at[k].r}, 2, 1e-11);
     ck_assert_double_eq_tol(s.slip[0], at[k].slip, 1e-11);
     ck_assert_int_eq(s.state[0], at[k].state);
     work += s.p[1] * s.u[1];
@@ -138,12 +126,11 @@ START_TEST(test_path) {
   ck_assert_double_eq_tol(moving_energies(motion).friction, work, 1e-12);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Weighted reactions: two nodes, one candidate, P = (1/4, 3/4), frictionless contact of a bar that
  * turns: gap = (gap_1 + 3 gap_2)/4 and the nodes push back by p/4 and 3 p/4. The slip is the
  * candidate's. */
-START_TEST(test_weighting) {
+TEST(test_weighting) {
   moving_begin(&parts, 4);
   for (int i = 0; i < 4; i++)
     moving_add(&parts.M, i, i, 1);
@@ -158,19 +145,17 @@ START_TEST(test_weighting) {
   ck_assert_double_eq_tol(moving_state(motion).gap[0], 0.35, 1e-15);
   const dls_motion_state s = moving_step(motion, NULL, NULL, &mu);
   /* H.H = 10/16: u_n+ = -gap/h = -2.8 = -4 + 10/16 p; slip: u_t = 1 - 10/16 p/2 */
-  ck_assert_double_eq_tol(s.p[0], 1.92, 1e-13);
-  ck_assert_double_eq_tol(s.p[1], -0.96, 1e-13);
+  assert_near(s.p, (double[]){1.92, -0.96}, 2, 1e-13);
   ck_assert_double_eq_tol(s.gap[0], 0, 1e-15);
   ck_assert_double_eq_tol(s.v[1], -4 + 1.92 / 4, 1e-13);
   ck_assert_double_eq_tol(s.v[3], -4 + 1.92 * 3 / 4, 1e-13);
   ck_assert_double_eq_tol(s.slip[0], 0.125 * 0.4, 1e-14);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* In 3D: a puck slides with v = (3, 4) and mu = 1/4 under g = 8: it brakes by 2 along its way and
  * stops after 2.5 s and 6.25, in the direction (.6, .8): the tangents see (3.75, 5). */
-START_TEST(test_puck) {
+TEST(test_puck) {
   const int p[] = {0, 1, 2, 3}, i[] = {0, 1, 2}, z[] = {2};
   const double mass[] = {1, 1, 1}, v[] = {3, 4, 0}, f[] = {0, 0, -8}, mu = 0.25;
   dls_motion_model model = {.d = 3, .n = 3, .nodes = 1, .factorization = DLS_CHOLESKY};
@@ -187,15 +172,13 @@ START_TEST(test_puck) {
     ck_assert_double_eq_tol(s.p[1], slides ? -0.15 : s.t < 2.6 ? -0.15 : 0, 1e-11);
     ck_assert_double_eq_tol(hypot(s.v[0], s.v[1]), fmax(0, 5 - 2 * s.t), 1e-10);
   }
-  ck_assert_double_eq_tol(s.slip[0], 3.75, 1e-10);
-  ck_assert_double_eq_tol(s.slip[1], 5, 1e-10);
+  assert_near(s.slip, (double[]){3.75, 5}, 2, 1e-10);
   ck_assert_double_eq_tol(moving_energies(motion).friction, -12.5, 1e-10);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Two points slide along an obstacle, each its own way. */
-START_TEST(test_two_ways) {
+TEST(test_two_ways) {
   moving_begin(&parts, 4);
   for (int i = 0; i < 4; i++)
     moving_add(&parts.M, i, i, 1);
@@ -207,8 +190,7 @@ START_TEST(test_two_ways) {
   dls_motion *motion = moving_create(&model, &settings, NULL, v);
   for (int k = 1; k <= 4; k++) {
     const dls_motion_state s = moving_step(motion, f, NULL, NULL);
-    ck_assert_double_eq_tol(s.slip[0], 0.25 * k, 1e-14);
-    ck_assert_double_eq_tol(s.slip[1], -0.5 * k, 1e-14);
+    assert_near(s.slip, (double[]){0.25 * k, -0.5 * k}, 2, 1e-14);
     ck_assert_double_eq_tol(s.p[0], 0.25, 1e-13);
     ck_assert_double_eq_tol(s.p[2], 0.25, 1e-13);
   }
@@ -221,11 +203,10 @@ START_TEST(test_two_ways) {
   ck_assert_double_eq_tol(s.p[3], 0.125, 1e-13);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* An unsymmetric A: C = (0 -1; 1 0) turns the velocity and does no work; theta = 1/2 turns it by
  * 2 atan(h/2) a step. */
-START_TEST(test_turning) {
+TEST(test_turning) {
   moving_begin(&parts, 2);
   for (int j = 0; j < 2; j++) {
     moving_add(&parts.M, j, j, 1);
@@ -239,13 +220,11 @@ START_TEST(test_turning) {
   dls_motion *motion = moving_create(&model, &settings, NULL, v);
   for (int k = 1; k <= 10; k++) {
     const dls_motion_state s = moving_step(motion, NULL, NULL, NULL);
-    ck_assert_double_eq_tol(s.v[0], cos(2 * k * atan(0.25)), 1e-13);
-    ck_assert_double_eq_tol(s.v[1], -sin(2 * k * atan(0.25)), 1e-13);
+    assert_near(s.v, (double[]){cos(2 * k * atan(0.25)), -sin(2 * k * atan(0.25))}, 2, 1e-13);
   }
   ck_assert_double_eq_tol(moving_energies(motion).damping, 0, 1e-14);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* ---- what a motion keeps --------------------------------------------------------------------- */
 
@@ -275,7 +254,7 @@ static void chain_loads(double force) {
 }
 
 /* A step that is not certified leaves all as it was; the run goes on to the same bits. */
-START_TEST(test_refused_step) {
+TEST_EACH(test_refused_step, 0, 3) {
   const dls_motion_law laws[] = {DLS_MOTION_VELOCITY, DLS_MOTION_GAP, DLS_MOTION_PATH};
   const dls_motion_model model = chain_model(_i == 2 ? 0 : 1, 1, 1e-3);
   dls_motion_settings settings = moving_settings(laws[_i], 0.05);
@@ -320,12 +299,11 @@ START_TEST(test_refused_step) {
   dls_motion_destroy(one);
   dls_motion_destroy(two);
 }
-END_TEST
 
 /* A membrane, pressed, over a flat obstacle: contact at each node, without tangents. The path is
  * solved on K, and create takes far less than the m^2 doubles of a W. Its limits can change there,
  * too. At each malloc that fails create unwinds. */
-START_TEST(test_path_on_K) {
+TEST(test_path_on_K) {
   enum { side = 40, n = side * side, m = 2 * n };
   static int p[n + 1], i[5 * n], id[n + 1], none[n + 1];
   static double x[5 * n], one[n], gap[n], load[n];
@@ -362,9 +340,7 @@ START_TEST(test_path_on_K) {
   ck_assert(bytes < sizeof(double) * m * m / 4);
   dls_limits limits = settings.limits;
   limits.tol = -1;
-  dls_error error;
-  expect_error(dls_motion_set_limits(motion, &limits, &error), &error, DLS_E_ARGUMENT,
-               "dls_motion_set_limits", "tol", -1);
+  REFUSES(ARGUMENT, "tol", -1, dls_motion_set_limits, motion, &limits);
   limits.tol = 1e-10;
   ck_assert_int_eq(dls_motion_set_limits(motion, &limits, NULL), DLS_OK);
   for (int step = 0; step < 3; step++) {
@@ -391,10 +367,9 @@ START_TEST(test_path_on_K) {
     dls_motion_destroy(motion);
   }
 }
-END_TEST
 
 /* start forgets the run: the next one has the same bits. */
-START_TEST(test_start_again) {
+TEST(test_start_again) {
   const dls_motion_model model = chain_model(1, 1, 1e-3);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.05);
   chain_loads(1);
@@ -410,10 +385,9 @@ START_TEST(test_start_again) {
   }
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Lengths in units of a, forces of b, times of c: the run is the same. */
-START_TEST(test_units) {
+TEST(test_units) {
   const double a = 1e3, b = 1e-6, c = 60;
   double x[2 * chain];
   for (int turn = 0; turn < 2; turn++) {
@@ -433,10 +407,9 @@ START_TEST(test_units) {
     dls_motion_destroy(motion);
   }
 }
-END_TEST
 
 /* Falls freely with h, h/2, h/8: theta = 1/2 is exact for any of them; a wrong h is refused. */
-START_TEST(test_set_h) {
+TEST(test_set_h) {
   const dls_motion_model model = point_model(2, 0, 100);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.5);
   const double f[2] = {0, -6};
@@ -445,15 +418,12 @@ START_TEST(test_set_h) {
   for (int k = 0; k < 6; k++) {
     const dls_motion_state s = moving_step(motion, f, NULL, NULL);
     ck_assert_double_eq_tol(s.x[1], -1.5 * s.t * s.t, 1e-13);
-    dls_error error;
-    expect_error(dls_motion_set_h(motion, -1, &error), &error, DLS_E_ARGUMENT, "dls_motion_set_h",
-                 "h", -1);
+    REFUSES(ARGUMENT, "h", -1, dls_motion_set_h, motion, -1);
     h /= k % 2 ? 2 : 8;
     ck_assert_int_eq(dls_motion_set_h(motion, h, NULL), DLS_OK);
   }
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* ---- wrong input ----------------------------------------------------------------------------- */
 
@@ -469,7 +439,7 @@ static void expect_create(const dls_motion_model *model, const dls_motion_settin
   if (status != DLS_E_SINGULAR) ck_assert_int_le(work, 1); /* the motion itself, no work */
 }
 
-START_TEST(test_settings) {
+TEST(test_settings) {
   const dls_motion_model model = point_model(1, 0, 0);
   const dls_motion_settings good = moving_settings(DLS_MOTION_VELOCITY, 0.1);
   dls_motion_settings s;
@@ -500,13 +470,10 @@ START_TEST(test_settings) {
   expect_create(&model, &s, DLS_E_SETTINGS, "settings", -1);
   expect_create(&model, NULL, DLS_E_ARGUMENT, "settings", -1);
   expect_create(NULL, &good, DLS_E_ARGUMENT, "model", -1);
-  dls_error error;
-  expect_error(dls_motion_create(NULL, &model, &good, &error), &error, DLS_E_ARGUMENT,
-               "dls_motion_create", "out", -1);
+  REFUSES(ARGUMENT, "out", -1, dls_motion_create, NULL, &model, &good);
 }
-END_TEST
 
-START_TEST(test_model) {
+TEST(test_model) {
   const dls_motion_model good = point_model(1, 1, 0);
   const dls_motion_settings velocity = moving_settings(DLS_MOTION_VELOCITY, 0.1);
   const dls_motion_settings path = moving_settings(DLS_MOTION_PATH, 0.1);
@@ -539,9 +506,8 @@ START_TEST(test_model) {
   EXPECT(on_W, DLS_E_SINGULAR, (m.M.p = NULL, m.K.x = zero), "K", 0);
 #undef EXPECT
 }
-END_TEST
 
-START_TEST(test_arguments) {
+TEST(test_arguments) {
   const dls_motion_model model = point_model(1, 1, 0);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.1);
   const double bad[2] = {0, (double)NAN}, minus = -1;
@@ -587,10 +553,9 @@ START_TEST(test_arguments) {
   dls_motion_destroy(NULL);
   dls_motion_settings_init(NULL);
 }
-END_TEST
 
 /* Every malloc of create fails in turn; so do those of set_h. */
-START_TEST(test_malloc) {
+TEST(test_malloc) {
   const dls_motion_model model = chain_model(1, 1, 1e-3);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.05);
   dls_motion *motion = NULL;
@@ -610,14 +575,4 @@ START_TEST(test_malloc) {
   ck_assert_int_eq(malloc_calls(), 0);
   ck_assert_int_eq(status, DLS_OK);
   dls_motion_destroy(motion);
-}
-END_TEST
-
-int main(void) {
-  return RUN("motion", NULL, NULL, ONCE(test_racket), ONCE(test_gap_form), ONCE(test_swing),
-             ONCE(test_damping), ONCE(test_path), ONCE(test_path_on_K), ONCE(test_weighting),
-             ONCE(test_puck), ONCE(test_two_ways), ONCE(test_turning),
-             EACH(test_refused_step, 0, 3), ONCE(test_start_again), ONCE(test_units),
-             ONCE(test_set_h), ONCE(test_settings), ONCE(test_model), ONCE(test_arguments),
-             ONCE(test_malloc));
 }

@@ -1,7 +1,4 @@
 /* test_reference.c: two runs of another code, row by row (data/dynamics/README.md). */
-#include <math.h>
-#include <stdio.h>
-
 #include "moving.h"
 #include "run.h"
 
@@ -37,7 +34,7 @@ static void assert_agrees(const char *name, const column_error *column, double t
                 column->size);
 }
 
-START_TEST(test_bouncing_ball) {
+TEST(test_bouncing_ball) {
   int rows;
   FILE *file = run_open(TEST_DATA "/dynamics/BouncingBallTS.ref", 5, &rows);
   moving_begin(&parts, 1);
@@ -64,9 +61,8 @@ START_TEST(test_bouncing_ball) {
   dls_motion_destroy(motion);
   (void)fclose(file);
 }
-END_TEST
 
-START_TEST(test_impacting_bar) {
+TEST(test_impacting_bar) {
   enum { n = 100, columns = 12 };
   const double l = 1.0 / n, mass = 7800 * 3.14e-4 * l / 6, stiffness = 210e9 * 3.14e-4 / l;
   int rows;
@@ -109,9 +105,4 @@ START_TEST(test_impacting_bar) {
   ck_assert_double_gt(of[4].size, 0);
   dls_motion_destroy(motion);
   (void)fclose(file);
-}
-END_TEST
-
-int main(void) {
-  return RUN("reference", NULL, NULL, ONCE(test_bouncing_ball), ONCE(test_impacting_bar));
 }

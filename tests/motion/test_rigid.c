@@ -2,10 +2,6 @@
  * test_rigid.c: rigid bodies with answers derived by hand. Each step of each of them meets the
  * energy identity and the momentum balance (moving_step).
  */
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "contact/contact.h"
 #include "moving.h"
 #include "run.h"
@@ -23,7 +19,7 @@ static double dice(void) {
  * of the one before: at rest from sqrt(2/g)(1 + 2 (1/2 + 1/4 + ..)) = 3 sqrt(2/g) = 1.35457 s. The
  * last velocities of the scheme change their sign and halve from step to step: below 1e-5 g h from
  * 1.35469 s on, to two steps. At rest the impulse is m g h. */
-START_TEST(test_ball) {
+TEST(test_ball) {
   moving_begin(&parts, 1);
   moving_add(&parts.M, 0, 0, 1);
   moving_touch(&parts, 0, -1, 0);
@@ -43,13 +39,12 @@ START_TEST(test_ball) {
   ck_assert_double_eq_tol(s.p[0], gravity * h, 1e-12 * gravity * h);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* A block, m = 1, on a belt, V = .1, held by a spring, k = 1, pressed by N = 10; mu .5 where it
  * sticks, .3 where it slips. It sticks from x = 1 to x = 5, for 4 / V = 40; slips about x = 3 with
  * the amplitude sqrt(4 + V^2) and, like the belt, with v = V at both ends: for pi + 2 atan(V/2).
  * Period 43.241509; asked to 2 h. */
-START_TEST(test_stick_slip) {
+TEST(test_stick_slip) {
   moving_begin(&parts, 2);
   moving_add(&parts.M, 0, 0, 1);
   moving_add(&parts.M, 1, 1, 1);
@@ -75,7 +70,6 @@ START_TEST(test_stick_slip) {
   ck_assert_double_eq_tol(begins[2] - begins[1], period, 2 * h);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Slides down an incline of 20 degrees from v = 5, mu = .5; returns the distance at 4.5 s. */
 static double incline_distance(double h) {
@@ -106,7 +100,7 @@ static double incline_distance(double h) {
 /* Decelerates by a = g (mu cos - sin) = 1.253975: stops after v/a = 3.987321 s and v^2/2a =
  * 9.96830320, and does not creep. theta = 1/2 integrates the slide exactly; in the last step, from
  * the velocity w < a h to 0, it goes w h/2 instead of w^2/2a: an error of at most a h^2/8. */
-START_TEST(test_incline) {
+TEST(test_incline) {
   const double a = gravity * (0.5 * cos(pi / 9) - sin(pi / 9));
   ck_assert_double_eq_tol(5 / a, 3.987321, 1e-6);
   ck_assert_double_eq_tol(25 / (2 * a), 9.96830320, 1e-8);
@@ -117,14 +111,13 @@ START_TEST(test_incline) {
     ck_assert_double_le(error, a * h * h / 8 + 1e-12);
   }
 }
-END_TEST
 
 /* Painleve's rod: m = 1, half length 1, inertia 1/3, its tip slides with u_t = -1, mu = 2, centre
  * at (c, s) from the tip, c^2 = 1/5. W = (1 + 3 c^2, -3 c s; -3 c s, 1 + 3 s^2) = (1.6 -1.2; -1.2
  * 3.4). Slip on with r_t = 2 r_n would give u_n = (1.6 - 2.4) r_n - g h < 0 for every r_n: there is
  * an impact without collision. It stops the tip: r = W^-1 (g h, 1), r_n = (3.4 g h + 1.2)/4 =
  * .300008 for h = 1e-6, r_t = (1.2 g h + 1.6)/4 <= 2 r_n. */
-START_TEST(test_painleve) {
+TEST(test_painleve) {
   const double c = sqrt(0.2), s = sqrt(0.8), tip[2] = {0, 0}, h = 1e-6, mu = 2;
   const double f[3] = {0, -gravity, 0}, v[3] = {-1, 0, 0};
   moving_begin(&parts, 3);
@@ -140,13 +133,12 @@ START_TEST(test_painleve) {
   ck_assert_int_eq(state.state[0], DLS_STICK);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Kane's rod: m = 1, half length 1, inertia 1/3, hits with v = (1, -1, 0) at 60 degrees, e = 1, mu
  * = .2. W = (7/4, -3 q; -3 q, 13/4), q = sqrt(3)/4, u = (-1, 1). It sticks: p_n = (13 - 6 q)/8, p_t
  * = (6 q - 7/4)/4 < mu p_n. The work of friction, p_t/2, is > 0: (6 sqrt(3) - 14/2)/32 of an energy
  * of 1. With p(e) the works cancel for e^2 = (5 - 6 q)/(13/4). */
-START_TEST(kane) {
+TEST(kane) {
   const double tip[2] = {0, 0}, mu = 0.2, v[3] = {1, -1, 0}, root = sqrt(3);
   moving_begin(&parts, 3);
   moving_body(&parts, 0, 0.5, root / 2, 1, 1.0 / 3);
@@ -172,12 +164,11 @@ START_TEST(kane) {
   ck_assert(energies.created == 0);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Random impacts of two bodies with 1 to 3 contacts, e and mu up to 1.2. With e as given some gain
  * energy, and `created` is what they gain; with energy_consistent none does. The few that have no
  * solution (jammed) are left out. */
-START_TEST(impacts_create_no_energy) {
+TEST(impacts_create_no_energy) {
   int solved = 0, gained = 0;
   for (int trial = 0; trial < 3000; trial++) {
     double mu[3], v[6], before[2], after[2], made[2];
@@ -216,7 +207,6 @@ START_TEST(impacts_create_no_energy) {
   ck_assert_int_ge(solved, 2970);
   ck_assert_int_ge(gained, 30);
 }
-END_TEST
 
 /* ---- structures ------------------------------------------------------------------------------ */
 
@@ -259,13 +249,12 @@ static double stack_unrest(double degrees, int steps) {
   return unrest(1e-3, steps, gravity * sin(angle), -gravity * cos(angle), 0.5, NULL);
 }
 
-START_TEST(test_stack) {
+TEST(test_stack) {
   ck_assert_double_le(stack_unrest(11.30, 100), 1e-12);
   const double falls = stack_unrest(11.32, 100);
   ck_assert_double_ge(falls, 1e-6);
   ck_assert_double_le(falls, 1e-2);
 }
-END_TEST
 
 /* A half circle of n voussoirs, mean radius 1, thickness t, mu = 1: trapezoids whose corners lie on
  * the circles 1 -+ t/2. The inertia of a thin rod across will do. */
@@ -291,7 +280,7 @@ static void arch_build(int n, double t) {
 
 /* Least thickness of an arch that stands, by statics alone: .107348 for 20 voussoirs, .107432 for
  * 40, with an independent linear program; one step from rest tells. */
-START_TEST(test_arch_thickness) {
+TEST_EACH(test_arch_thickness, 0, 2) {
   const int n = _i == 0 ? 20 : 40;
   const double least = _i == 0 ? 0.107348 : 0.107432;
   arch_build(n, least + 1e-6);
@@ -299,10 +288,9 @@ START_TEST(test_arch_thickness) {
   arch_build(n, least - 1e-6);
   ck_assert_double_ge(unrest(1e-3, 1, 0, -gravity, 1, NULL), 1e-8);
 }
-END_TEST
 
 /* An arch that is thick enough stands for .5 s. */
-START_TEST(test_arch_stands) {
+TEST(test_arch_stands) {
   double crown;
   arch_build(20, 0.12);
   ck_assert_double_le(unrest(1e-3, 500, 0, -gravity, 1, &crown), 1e-12);
@@ -312,11 +300,10 @@ START_TEST(test_arch_stands) {
   ck_assert_double_lt(crown, 1e-12);
   closed = 0;
 }
-END_TEST
 
 /* Boxes of side 1 that rest on each other do not sink: rounding opens their gaps, and no contact
  * lets go for a step. They fall when the floor is gone, and when they are lifted they leave. */
-START_TEST(boxes_at_rest) {
+TEST(boxes_at_rest) {
   double way;
   moving_begin(&parts, 15);
   for (int b = 0; b < 5; b++) {
@@ -329,11 +316,4 @@ START_TEST(boxes_at_rest) {
   const double t = 20.0 / 60; /* lifted by 1/2 beyond the weight */
   ck_assert_double_le(unrest(1.0 / 60, 20, 0, 0.5, 0.5, &way), 0.5 / gravity * (1 + 1e-9));
   ck_assert_double_eq_tol(way, t * t / 4, 1e-9);
-}
-END_TEST
-
-int main(void) {
-  return RUN("rigid", NULL, NULL, ONCE(test_ball), ONCE(test_stick_slip), ONCE(test_incline),
-             ONCE(test_painleve), ONCE(kane), ONCE(impacts_create_no_energy), ONCE(test_stack),
-             EACH(test_arch_thickness, 0, 2), ONCE(test_arch_stands), ONCE(boxes_at_rest));
 }

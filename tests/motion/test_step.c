@@ -1,11 +1,6 @@
 /* test_step.c: every figure of a step against its formula, from dense matrices; when contacts are
  * closed; what a start forgets; the reports. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "errors.h"
+#include "made.h"
 #include "motion/motion_internal.h"
 #include "moving.h"
 #include "run.h"
@@ -186,7 +181,7 @@ static void step_check(const record *before, const dls_motion_state *s,
 }
 
 /* Each law, theta = 1/2, 3/4, 1, over steps that touch, stick, slip and part; f and y change. */
-START_TEST(steps_by_their_formulas) {
+TEST_EACH(steps_by_their_formulas, 0, 5) {
   static const dls_motion_law laws[] = {DLS_MOTION_VELOCITY, DLS_MOTION_VELOCITY,
                                         DLS_MOTION_VELOCITY, DLS_MOTION_GAP, DLS_MOTION_PATH};
   const int path = _i == 4;
@@ -257,12 +252,11 @@ START_TEST(steps_by_their_formulas) {
     ck_assert(s.x[k] == 0 && s.v[k] == 0 && s.u[k] == 0);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* A momentum that does not hold is told: M dv - h f over its largest sum of terms, for M = diag(4,
  * 2), h = 1/2: of dv = (1, 0) alone 1; with f = (6, 0) 4 - 3 of 7; with f = (8, 6) and dv = (1, 1)
  * (0, -1) of 8. */
-START_TEST(momentum_that_is_wrong) {
+TEST(momentum_that_is_wrong) {
   moving_begin(&parts, 2);
   moving_add(&parts.M, 0, 0, 4);
   moving_add(&parts.M, 1, 1, 2);
@@ -276,10 +270,9 @@ START_TEST(momentum_that_is_wrong) {
   ck_assert(dlsi_motion_momentum(motion, (double[]){8, 6}, (double[]){1, 1}) == 1. / 8);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* A = M + h theta C + h^2 theta^2 K, entries as they stand, column by column; a path has K. */
-START_TEST(matrix_of_a_step) {
+TEST(matrix_of_a_step) {
   moving_begin(&parts, 2);
   moving_add(&parts.M, 0, 0, 4);
   moving_add(&parts.M, 1, 1, 5);
@@ -308,11 +301,10 @@ START_TEST(matrix_of_a_step) {
   ck_assert(motion->A.x[0] == 64 && motion->A.x[1] == 32 && motion->A.x[2] == 128);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Closed: gap + forecast h u_n <= activation. Two masses, u_n = -2, h = 1/2, forecast 1/4: gaps up
  * to 1/4 + activation. */
-START_TEST(candidates_that_are_closed) {
+TEST_EACH(candidates_that_are_closed, 0, 4) {
   const double least = 0x1p-40, activation = _i % 2 ? 0.125 : 0;
   const double gaps[2] = {0.25 + activation + (_i < 2 ? 0 : least), 0.25 + activation - least};
   moving_begin(&parts, 4);
@@ -339,11 +331,10 @@ START_TEST(candidates_that_are_closed) {
   ck_assert_int_eq(problem.nc, 2 - first);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* Two coupled masses rest under a load: with a smaller step the impulses are smaller in proportion,
  * so that Gauss-Seidel, which begins with these, ends as soon as with the step before. */
-START_TEST(impulses_begin_in_proportion) {
+TEST(impulses_begin_in_proportion) {
   moving_begin(&parts, 4);
   for (int i = 0; i < 4; i++) {
     moving_add(&parts.M, i, i, 2);
@@ -367,10 +358,9 @@ START_TEST(impulses_begin_in_proportion) {
   ck_assert_int_lt(info[1].iterations, info[0].iterations);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* The iterations of a step are those of its contact problem, from the same start. */
-START_TEST(iterations_of_a_step) {
+TEST_EACH(iterations_of_a_step, 0, 2) {
   const dls_motion_model model = step_model(_i);
   dls_motion_settings settings = moving_settings(_i ? DLS_MOTION_PATH : DLS_MOTION_VELOCITY, 1);
   settings.method = DLS_NLGS;
@@ -382,9 +372,7 @@ START_TEST(iterations_of_a_step) {
   ck_assert_int_eq(dls_motion_step(motion, f, NULL, mu, &info, NULL), DLS_OK);
   ck_assert_int_eq(dls_motion_get_problem(motion, &problem, NULL), DLS_OK);
   ck_assert_int_eq(problem.nc, 2);
-  dls_solver_settings solver;
-  dls_solver_settings_init(&solver);
-  solver.method = DLS_NLGS;
+  dls_solver_settings solver = settings_with(DLS_NLGS, default_tol);
   solver.limits = settings.limits;
   double r[m] = {0};
   ck_assert_int_eq(dls_solve(&problem, &solver, r, NULL, &again, NULL), DLS_OK);
@@ -393,9 +381,8 @@ START_TEST(iterations_of_a_step) {
   ck_assert_mem_eq(moving_state(motion).p, r, sizeof r);
   dls_motion_destroy(motion);
 }
-END_TEST
 
-START_TEST(defaults) {
+TEST(defaults) {
   dls_motion_settings s;
   memset(&s, 77, sizeof s);
   dls_motion_settings_init(&s);
@@ -404,10 +391,9 @@ START_TEST(defaults) {
   ck_assert(s.limits.warm_start == 1 && s.h == 0 && s.restitution == 0);
   ck_assert(s.activation == 0);
 }
-END_TEST
 
 /* Settings at their limits pass; beyond, the value is told. */
-START_TEST(limits_of_settings) {
+TEST(limits_of_settings) {
   moving_begin(&parts, 2);
   moving_add(&parts.M, 0, 0, 1);
   moving_add(&parts.M, 1, 1, 1);
@@ -415,8 +401,6 @@ START_TEST(limits_of_settings) {
   const dls_motion_model model = moving_model(&parts);
   dls_motion_settings s = moving_settings(DLS_MOTION_VELOCITY, DBL_MIN);
   dls_motion *motion;
-  dls_error e;
-  const char *name = "dls_motion_create";
   s.activation = DBL_MAX;
   s.restitution = s.forecast = s.theta = 1;
   ck_assert_int_eq(dls_motion_create(&motion, &model, &s, NULL), DLS_OK);
@@ -428,21 +412,19 @@ START_TEST(limits_of_settings) {
   dls_motion_destroy(motion);
   s.law = DLS_MOTION_GAP;
   s.theta = 0.75;
-  expect_error(dls_motion_create(&motion, &model, &s, &e), &e, DLS_E_ARGUMENT, name, "theta", -1);
-  ck_assert(e.value == 0.75);
+  REFUSES(ARGUMENT, "theta", -1, dls_motion_create, &motion, &model, &s);
+  ck_assert(last_refusal.value == 0.75);
   s.theta = 1;
   s.restitution = 0.25;
-  expect_error(dls_motion_create(&motion, &model, &s, &e), &e, DLS_E_ARGUMENT, name, "restitution",
-               -1);
-  ck_assert(e.value == 0.25);
+  REFUSES(ARGUMENT, "restitution", -1, dls_motion_create, &motion, &model, &s);
+  ck_assert(last_refusal.value == 0.25);
   s.restitution = 0;
   ck_assert_int_eq(dls_motion_create(&motion, &model, &s, NULL), DLS_OK);
   dls_motion_destroy(motion);
 }
-END_TEST
 
 /* The matrix of a reduction, its Ks, has the name that the host knows. */
-START_TEST(singular_by_its_name) {
+TEST_EACH(singular_by_its_name, 0, 2) {
   const int path = _i;
   moving_begin(&parts, 2);
   moving_add(path ? &parts.K : &parts.M, 0, 0, 1);
@@ -451,18 +433,15 @@ START_TEST(singular_by_its_name) {
   const dls_motion_model model = moving_model(&parts);
   dls_motion_settings s = moving_settings(path ? DLS_MOTION_PATH : DLS_MOTION_VELOCITY, 0.5);
   dls_motion *motion;
-  dls_error e;
   if (path) s.method = DLS_NLGS; /* auto takes K */
-  expect_error(dls_motion_create(&motion, &model, &s, &e), &e, DLS_E_SINGULAR, "dls_motion_create",
-               path ? "K" : "M", 1);
-  ck_assert(!strstr(e.message, "Ks") && !strstr(e.message, "reduction"));
-  ck_assert_ptr_nonnull(strstr(e.message, path ? "K[1]" : "M[1]"));
-  ck_assert_ptr_nonnull(strstr(e.message, "singular: "));
+  REFUSES(SINGULAR, path ? "K" : "M", 1, dls_motion_create, &motion, &model, &s);
+  ck_assert(!strstr(last_refusal.message, "Ks") && !strstr(last_refusal.message, "reduction"));
+  ck_assert_ptr_nonnull(strstr(last_refusal.message, path ? "K[1]" : "M[1]"));
+  ck_assert_ptr_nonnull(strstr(last_refusal.message, "singular: "));
 }
-END_TEST
 
 /* A step that overflows names x or v and leaves the state. */
-START_TEST(steps_that_overflow) {
+TEST_EACH(steps_that_overflow, 0, 2) {
   moving_begin(&parts, 2);
   moving_add(&parts.M, 0, 0, 1);
   moving_add(&parts.M, 1, 1, 1);
@@ -472,18 +451,8 @@ START_TEST(steps_that_overflow) {
   const double v[2] = {_i ? 1.5e308 : 1e308, 1}, f[2] = {_i ? 1e308 : 0, 0};
   dls_motion *motion = moving_create(&model, &s, NULL, (double[]){0, 1});
   ck_assert_int_eq(dls_motion_start(motion, NULL, v, 0, NULL), DLS_OK);
-  dls_error e;
-  expect_error(dls_motion_step(motion, f, NULL, NULL, NULL, &e), &e, DLS_E_NOT_FINITE,
-               "dls_motion_step", _i ? "v" : "x", 0);
-  ck_assert(e.value > DBL_MAX && moving_state(motion).steps == 0 && moving_state(motion).x[0] == 0);
+  REFUSES(NOT_FINITE, _i ? "v" : "x", 0, dls_motion_step, motion, f, NULL, NULL, NULL);
+  ck_assert(last_refusal.value > DBL_MAX && moving_state(motion).steps == 0 &&
+            moving_state(motion).x[0] == 0);
   dls_motion_destroy(motion);
-}
-END_TEST
-
-int main(void) {
-  return RUN("step", NULL, NULL, EACH(steps_by_their_formulas, 0, 5), ONCE(momentum_that_is_wrong),
-             ONCE(matrix_of_a_step), EACH(candidates_that_are_closed, 0, 4),
-             ONCE(impulses_begin_in_proportion), EACH(iterations_of_a_step, 0, 2), ONCE(defaults),
-             ONCE(limits_of_settings), EACH(singular_by_its_name, 0, 2),
-             EACH(steps_that_overflow, 0, 2));
 }

@@ -2,11 +2,6 @@
  * test_judges.c: tests the judges of tests/properties: right answers made by hand pass; answers
  * that are only a little worse than allowed fail.
  */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "bodies.h"
 #include "check.h"
 #include "generate.h"
@@ -27,7 +22,7 @@ static void fill_open(problem *p, double far) {
   plant_q(p);
 }
 
-START_TEST(an_open_candidate_hides_no_wrong_answer) {
+TEST(an_open_candidate_hides_no_wrong_answer) {
   problem p = {0};
   measure is;
   truth t;
@@ -52,10 +47,9 @@ START_TEST(an_open_candidate_hides_no_wrong_answer) {
   ck_assert_int_eq(t.verdict, TRUTH_WRONG_R);
   free(p.W);
 }
-END_TEST
 
 /* W = diag(1e-8, 1), q = (-1, .3): r = (1e8, -.3) sticks, and rounding hides nothing of it. */
-START_TEST(weights_of_normal_and_tangent) {
+TEST(weights_of_normal_and_tangent) {
   problem p = {0};
   measure is;
   const double r[2] = {1e8, -0.3};
@@ -68,10 +62,9 @@ START_TEST(weights_of_normal_and_tangent) {
   ck_assert(measure_holds(&is, 1e-14, 1, 1e-14, 1));
   free(p.W);
 }
-END_TEST
 
 /* A bonded candidate sticks whatever its drag, and has no reaction where it is open. */
-START_TEST(infinite_friction) {
+TEST(infinite_friction) {
   problem p = {0};
   measure is;
   truth t;
@@ -95,10 +88,9 @@ START_TEST(infinite_friction) {
   ck_assert_int_eq(t.verdict, TRUTH_WRONG_R);
   free(p.W);
 }
-END_TEST
 
 /* r determined by nothing: two candidates that press at the same place. */
-START_TEST(an_answer_that_is_not_determined_is_no_error) {
+TEST(an_answer_that_is_not_determined_is_no_error) {
   problem p = {0};
   truth t;
   problem_resize(&p, 1, 2);
@@ -112,10 +104,9 @@ START_TEST(an_answer_that_is_not_determined_is_no_error) {
   ck_assert_int_eq(t.verdict, TRUTH_UNKNOWN);
   free(p.W);
 }
-END_TEST
 
 /* A second answer is as true as the planted one: mu = 3 and W_nt lift the body where it sticks. */
-START_TEST(another_answer_is_true_too) {
+TEST(another_answer_is_true_too) {
   problem p = {0};
   truth t;
   static const double W[4] = {1, -1, -1, 2};
@@ -130,10 +121,9 @@ START_TEST(another_answer_is_true_too) {
   ck_assert_int_eq(t.verdict, TRUTH_OTHER);
   free(p.W);
 }
-END_TEST
 
 /* Tangents 1e9 times softer than normals: what rounds in u_n rounds 1e9 times in the friction. */
-START_TEST(another_answer_with_soft_tangents) {
+TEST(another_answer_with_soft_tangents) {
   problem p = {0};
   truth t;
   measure is;
@@ -160,9 +150,8 @@ START_TEST(another_answer_with_soft_tangents) {
   }
   free(p.W);
 }
-END_TEST
 
-START_TEST(sums_are_rounded_once) {
+TEST(sums_are_rounded_once) {
   exact sum;
   exact_clear(&sum);
   exact_add(&sum, 1e300, 1, 1);
@@ -174,7 +163,6 @@ START_TEST(sums_are_rounded_once) {
   exact_add(&sum, 0x1p-80, 1, 1);
   ck_assert_double_eq(exact_round(&sum), 1);
 }
-END_TEST
 
 /* ---- stacks ---------------------------------------------------------------------------------- */
 
@@ -222,7 +210,7 @@ static int is_inside(const stack *s, const double *r) {
   return 1;
 }
 
-START_TEST(stacks_and_their_statics) {
+TEST(stacks_and_their_statics) {
   stack s = {0};
   int solved = 0, kinds[5] = {0};
   for (uint64_t seed = 2; seed < 400; seed += 2) {
@@ -259,9 +247,8 @@ START_TEST(stacks_and_their_statics) {
     ck_assert_int_gt(kinds[k], 3);
   stack_free(&s);
 }
-END_TEST
 
-START_TEST(what_cannot_stand_is_not_solved) {
+TEST(what_cannot_stand_is_not_solved) {
   stack s = {0};
   for (uint64_t seed = 2; seed < 100; seed += 2) {
     stack_generate(seed, &s);
@@ -275,11 +262,10 @@ START_TEST(what_cannot_stand_is_not_solved) {
   }
   stack_free(&s);
 }
-END_TEST
 
 /* 21 contacts in 3D, on which all but the homotopy fails: the residual of its answer is below 1e-8,
  * and the reactions are off by a tenth. The library has to say so. */
-START_TEST(a_hard_solve_tells_its_error) {
+TEST(a_hard_solve_tells_its_error) {
   static problem p;
   static verdict v;
   const options ask = {1e-8};
@@ -291,13 +277,12 @@ START_TEST(a_hard_solve_tells_its_error) {
   ck_assert_int_eq(v.solved, 1);
   ck_assert_int_eq(v.findings, 0);
 }
-END_TEST
 
 /* ---- bodies at rest -------------------------------------------------------------------------- */
 
 /* Planted answers pass, and fail with 1e-3 of a force, of a place of a contact that carries, or of
  * the motion of a free body against another; what falls is never solved. */
-START_TEST(bodies_at_rest) {
+TEST(bodies_at_rest) {
   static rest p;
   int moved = 0, forced = 0;
   for (int of = 0; of < REST_KINDS; of++)
@@ -335,14 +320,4 @@ START_TEST(bodies_at_rest) {
     }
   ck_assert_int_gt(moved, 1000);
   ck_assert_int_ge(forced, moved * 9 / 10);
-}
-END_TEST
-
-int main(void) {
-  return RUN("judges", NULL, NULL, ONCE(an_open_candidate_hides_no_wrong_answer),
-             ONCE(weights_of_normal_and_tangent), ONCE(infinite_friction),
-             ONCE(an_answer_that_is_not_determined_is_no_error), ONCE(another_answer_is_true_too),
-             ONCE(another_answer_with_soft_tangents), ONCE(sums_are_rounded_once),
-             ONCE(stacks_and_their_statics), ONCE(what_cannot_stand_is_not_solved),
-             ONCE(a_hard_solve_tells_its_error), ONCE(bodies_at_rest));
 }

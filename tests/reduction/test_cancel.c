@@ -2,9 +2,6 @@
  * test_cancel.c: the host watches a reduction and cancels it at each of its calls: nothing is
  * returned, a cancelled update holds nothing, and the next one has all bits.
  */
-#include <stdlib.h>
-#include <string.h>
-
 #include "delassus/reduction.h"
 #include "reduced.h"
 #include "run.h"
@@ -147,7 +144,7 @@ static void free_model(void) {
 /* least: calls at least. */
 static const int least[] = {5, 8, 14, 6};
 
-START_TEST(cancels_create) {
+TEST_EACH(cancels_create, 0, WITH_MUMPS ? 4 : 2) {
   make_model(_i);
   host h;
   dls_reduction *R = NULL;
@@ -170,9 +167,8 @@ START_TEST(cancels_create) {
   }
   free_model();
 }
-END_TEST
 
-START_TEST(cancels_update) {
+TEST_EACH(cancels_update, 0, WITH_MUMPS ? 4 : 2) {
   make_model(_i);
   host h;
   dls_reduction *R = NULL;
@@ -200,11 +196,4 @@ START_TEST(cancels_update) {
   dls_reduction_destroy(R);
   free(W);
   free_model();
-}
-END_TEST
-
-int main(void) {
-  const int models = WITH_MUMPS ? 4 : 2;
-  return RUN("cancel", NULL, NULL, EACH(cancels_create, 0, models),
-             EACH(cancels_update, 0, models));
 }

@@ -1,12 +1,5 @@
 /* test_factor.c: the back-ends of a reduction by hand: parts, scaling, conditions, estimates and
  * errors. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "errors.h"
-#include "malloc_fails.h"
 #include "reduction/reduction_internal.h"
 #include "run.h"
 #include "stiffness.h"
@@ -43,7 +36,7 @@ static void make_parts(dls_factorization factorization, int is_sparse) {
   stiffness_fill(&S, 8, rows, factorization, is_sparse);
 }
 
-START_TEST(parts_of_a_graph) {
+TEST(parts_of_a_graph) {
   make_parts(DLS_LU, 1);
   dlsi_factor *factor = factor_new();
   ck_assert(factor->n == 8 && factor->parts == 4 && factor->largest == 3 && !factor->schur);
@@ -56,11 +49,10 @@ START_TEST(parts_of_a_graph) {
   dlsi_factor_destroy(factor);
   dlsi_factor_destroy(NULL);
 }
-END_TEST
 
 /* 8 s^2 bytes and 2 s^3 / 3 operations, half of it for Cholesky, of each part; nothing of a host's
  * solver, bytes alone of a flexibility. */
-START_TEST(parts_are_foreseen) {
+TEST_EACH(parts_are_foreseen, 0, 6) {
   const int dense = _i % 2;
   const dls_factorization tag = (dls_factorization)(1 + _i / 2 % 3);
   make_parts(tag, !dense);
@@ -85,7 +77,6 @@ START_TEST(parts_are_foreseen) {
     dlsi_factor_destroy(factor);
   }
 }
-END_TEST
 
 /* A chain of `links` unknowns, (2 -1; -1 2 ..), and single ones. */
 static void factor_chain(int links, int singles, dls_factorization factorization) {
@@ -114,7 +105,7 @@ static void factor_chain(int links, int singles, dls_factorization factorization
 }
 
 /* Parts of up to 250 unknowns are dense, of up to 25 where K is definite and has at most 4. */
-START_TEST(small_parts_are_dense) {
+TEST_EACH(small_parts_are_dense, 0, 11) {
   static const struct {
     dls_factorization tag;
     int links, singles, dense;
@@ -143,10 +134,9 @@ START_TEST(small_parts_are_dense) {
   }
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* Another pattern may not tie two parts: the entry that does is named, of either triangle. */
-START_TEST(parts_stay_apart) {
+TEST_EACH(parts_stay_apart, 0, 2) {
   make_parts(DLS_LU, 1);
   dlsi_factor *factor = factor_new();
   dls_error e;
@@ -164,13 +154,12 @@ START_TEST(parts_stay_apart) {
   ck_assert_int_eq(dlsi_factor_same(factor, &S.model, NULL), DLS_OK);
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* ---- scaling --------------------------------------------------------------------------------- */
 
 /* 1 / sqrt(k_ii) down to a power of two: 8 becomes 2, 2^-3 becomes 2, 4 becomes 1; 2^-1073 and
  * 2^1001 as well, with |e| / 2. */
-START_TEST(scaled_diagonals) {
+TEST_EACH(scaled_diagonals, 0, 2) {
   const double k[] = {8, 0x1p-3, 4, 1, 0x1p-1073, 0x1p1001, 3};
   const double scale[] = {0x1p-1, 0x1p2, 0x1p-1, 1, 0x1p537, 0x1p-500, 1};
   double rows[49] = {0};
@@ -186,11 +175,10 @@ START_TEST(scaled_diagonals) {
   }
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* The largest entry of each row, then of each column comes into [1, 2): of (0 8; 3 1) rows by 1/8,
  * 1/2. Powers beyond 2^1000 are cut off: 2^-1060 takes 2^1000, 2^60, and 2^1010 2^-1000, 2^-10. */
-START_TEST(scaled_rows_and_columns) {
+TEST(scaled_rows_and_columns) {
   stiffness_fill(&S, 2, (double[]){0, 8, 3, 1}, DLS_LU, 0);
   dlsi_factor *factor = factored();
   ck_assert(factor->row[0] == 0.125 && factor->row[1] == 0.5);
@@ -218,12 +206,11 @@ START_TEST(scaled_rows_and_columns) {
   ck_assert_mem_eq(x, expected, sizeof x);
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* K = (4 2 0; 2 5 2; 0 2 5) = L L^T with L = (2; 1 2; 0 1 2): K (1, 2, -1)^T = (8, 10, -1)^T. Of a
  * symmetric K the triangle above the diagonal is not read. Unsymmetric: (4 2 0; 0 5 2; 0 2 5) times
  * the same is (8, 8, -1). */
-START_TEST(solves_by_hand) {
+TEST_EACH(solves_by_hand, 0, 6) {
   const dls_factorization tag = (dls_factorization)(1 + _i / 2);
   double rows[] = {4, 2, 0, 2, 5, 2, 0, 2, 5};
   if (tag == DLS_LU)
@@ -235,11 +222,9 @@ START_TEST(solves_by_hand) {
   double X[] = {8, tag == DLS_LU ? 8 : 10, -1, 16, tag == DLS_LU ? 16 : 20, -2};
   ck_assert_int_eq(dlsi_factor_solve(factor, 0, X, 2, NULL, NULL), DLS_OK);
   const double expected[] = {1, 2, -1, 2, 4, -2};
-  for (int k = 0; k < 6; k++)
-    ck_assert_double_eq_tol(X[k], expected[k], 1e-14);
+  assert_near(X, expected, 6, 1e-14);
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* ---- conditions ------------------------------------------------------------------------------ */
 
@@ -253,7 +238,7 @@ static void make_pair(double d, dls_factorization tag, int is_sparse) {
 /* d / 4 >= 10 eps is regular; LAPACK, which sees K as a whole, estimates d / 2. The condition is
  * that of the worst part. Below, the smallest pivot is
  * reported: d, of the third unknown; Cholesky's is its square. */
-START_TEST(conditions_at_the_limit) {
+TEST_EACH(conditions_at_the_limit, 0, 4) {
   const dls_factorization tag = _i / 2 ? DLS_LU : DLS_CHOLESKY;
   const double part = _i % 2 ? 1 : 0.5;
   make_pair(part * 42 * DBL_EPSILON, tag, _i % 2);
@@ -278,11 +263,10 @@ START_TEST(conditions_at_the_limit) {
   ck_assert(factor->rcond == 0);
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* What has no factor: rows, columns and pivots of 0 have the value 0; a pivot < 0 its own, a
  * diagonal entry < 0 the value -1. */
-START_TEST(pivots_are_told) {
+TEST_EACH(pivots_are_told, 0, 8) {
   static const struct {
     double rows[9];
     dls_factorization tag;
@@ -307,11 +291,10 @@ START_TEST(pivots_are_told) {
   if (at[_i].tag == DLS_LU) ck_assert_ptr_nonnull(strstr(e.message, "condition inf; "));
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* Entries that add up to Inf are named by their column, here the last one of the second part, or
  * the first of all. */
-START_TEST(sums_that_overflow) {
+TEST_EACH(sums_that_overflow, 0, 2) {
   const int column = _i ? 0 : 6;
   make_parts(DLS_LU, 1);
   dlsi_factor *factor = factor_new();
@@ -322,7 +305,6 @@ START_TEST(sums_that_overflow) {
   ck_assert(e.value > DBL_MAX);
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* ---- the host's solver, memory --------------------------------------------------------------- */
 
@@ -334,7 +316,7 @@ static int host_doubles(void *user, double *X, int n, int nrhs) {
   return bad < 0 ? bad : 0;
 }
 
-START_TEST(host_answers) {
+TEST(host_answers) {
   make_parts(DLS_LU, 0);
   S.model.operator_kind = DLS_HOST_SOLVER;
   S.model.solve = host_doubles;
@@ -357,10 +339,9 @@ START_TEST(host_answers) {
   ck_assert(e.value == -4);
   dlsi_factor_destroy(factor);
 }
-END_TEST
 
 /* The three allocations of a factorisation fail in turn; the matrix is kept from the first on. */
-START_TEST(every_malloc_of_numeric_fails) {
+TEST(every_malloc_of_numeric_fails) {
   make_parts(DLS_LU, 1);
   dlsi_factor *factor = factor_new();
   for (int turn = 0; turn < 2; turn++) {
@@ -375,14 +356,4 @@ START_TEST(every_malloc_of_numeric_fails) {
     ck_assert_int_eq(k, 3); /* of the second turn: its work, its iwork, none */
   }
   dlsi_factor_destroy(factor);
-}
-END_TEST
-
-int main(void) {
-  return RUN("factor", NULL, NULL, ONCE(parts_of_a_graph), EACH(parts_are_foreseen, 0, 6),
-             EACH(small_parts_are_dense, 0, 11), EACH(parts_stay_apart, 0, 2),
-             EACH(scaled_diagonals, 0, 2), ONCE(scaled_rows_and_columns),
-             EACH(solves_by_hand, 0, 6), EACH(conditions_at_the_limit, 0, 4),
-             EACH(pivots_are_told, 0, 8), EACH(sums_that_overflow, 0, 2), ONCE(host_answers),
-             ONCE(every_malloc_of_numeric_fails));
 }

@@ -3,14 +3,8 @@
  * another reduction, created with the new contacts: the same W, q, answer and certificate. K is
  * neither read nor factorised again.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "close.h"
 #include "delassus/solve.h"
-#include "errors.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "solids.h"
 
@@ -95,8 +89,7 @@ static double inverse[n * n], columns[n * 64];
 
 /* K^-1 by a reduction that recovers unit loads. */
 static void cube_invert(const dls_model *model) {
-  dls_reduction *all;
-  ck_assert_int_eq(dls_reduction_create(&all, model, NULL, NULL), DLS_OK);
+  dls_reduction *all = reduction_of(model, NULL);
   for (int j = 0; j < n; j++) {
     memset(columns, 0, n * sizeof *columns);
     columns[j] = 1;
@@ -176,9 +169,7 @@ static void cube_compare(dls_reduction *moved, dls_reduction *made, int m, int o
   static double r[2][120], x[2][n], u[2][120];
   dls_contact a, b;
   dls_certificate certificate[2];
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-12;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-12);
   if (on != on_K) {
     ck_assert_int_eq(dls_reduction_contact(moved, mu, &a, NULL), DLS_OK);
     ck_assert_int_eq(dls_reduction_contact(made, mu, &b, NULL), DLS_OK);
@@ -271,49 +262,43 @@ static void cube_walk(int kind, int with_P, int with_mu, int with_active, int fr
   dls_reduction_destroy(moved);
 }
 
-START_TEST(as_made_there) {
+TEST_EACH(as_made_there, 0, kinds) {
   if (!WITH_MUMPS && (_i == ldlt || _i == lu)) return;
   cube_walk(_i, 0, 0, 0, 0, 0);
 }
-END_TEST
 
-START_TEST(options_move_too) {
+TEST(options_move_too) {
   cube_walk(cholesky, 1, 0, 0, 0, 0);
   cube_walk(cholesky, 0, 1, 1, 0, 0);
   cube_walk(cholesky, 0, 0, 0, 1, 0);
   cube_walk(cholesky, 1, 1, 1, 0, 1);
   cube_walk(full, 1, 1, 1, 0, 1);
 }
-END_TEST
 
 /* Without settings.surface H may touch what H of create touches. */
-START_TEST(surface_of_create) {
+TEST(surface_of_create) {
   static contacts c, d;
   dls_model model = cube_model(cholesky);
-  dls_reduction *moved;
   dls_error e;
   contacts_fill(&c, &model, 12, 0);
-  ck_assert_int_eq(dls_reduction_create(&moved, &model, NULL, NULL), DLS_OK);
+  dls_reduction *moved = reduction_of(&model, NULL);
   contacts_fill(&d, &model, 5, 3);
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   contacts_fill(&d, &model, 5, 9);
   if (WITH_MUMPS) /* a whole factor takes any unknown */
-    expect_error(dls_reduction_move(moved, &model, NULL, &e), &e, DLS_E_ARGUMENT,
-                 "dls_reduction_move", "HN", -1);
+    REFUSES(ARGUMENT, "HN", -1, dls_reduction_move, moved, &model, NULL);
   contacts_fill(&d, &model, 12, 0);
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   dls_reduction_destroy(moved);
 }
-END_TEST
 
-START_TEST(wrong_input_changes_nothing) {
+TEST(wrong_input_changes_nothing) {
   static contacts c;
   dls_model model = cube_model(cholesky);
   dls_reduction_settings s = cube_settings(cholesky);
-  dls_reduction *moved;
   dls_error e;
   contacts_fill(&c, &model, 6, 2);
-  ck_assert_int_eq(dls_reduction_create(&moved, &model, &s, NULL), DLS_OK);
+  dls_reduction *moved = reduction_of(&model, &s);
   ck_assert_int_eq(dls_reduction_load(moved, loads, c.g, NULL), DLS_OK);
   static double before[n], after[n], r[18];
   ck_assert_int_eq(dls_reduction_recover(moved, r, before, NULL), DLS_OK);
@@ -342,10 +327,8 @@ START_TEST(wrong_input_changes_nothing) {
   contacts_fill(&c, &model, 6, 2);
   if (WITH_MUMPS) WRONG(c.Ni[3] = 5, DLS_E_ARGUMENT, "HN", -1);
   contacts_fill(&c, &model, 6, 2);
-  expect_error(dls_reduction_move(NULL, &model, NULL, &e), &e, DLS_E_ARGUMENT, "dls_reduction_move",
-               "reduction", -1);
-  expect_error(dls_reduction_move(moved, NULL, NULL, &e), &e, DLS_E_ARGUMENT, "dls_reduction_move",
-               "model", -1);
+  REFUSES(ARGUMENT, "reduction", -1, dls_reduction_move, NULL, &model, NULL);
+  REFUSES(ARGUMENT, "model", -1, dls_reduction_move, moved, NULL, NULL);
   ck_assert_int_eq(dls_reduction_contact(moved, mu, &now, NULL), DLS_OK);
   ck_assert(now.W.a == was.W.a && now.q == was.q && now.nc == 6);
   ck_assert_int_eq(dls_reduction_recover(moved, r, after, NULL), DLS_OK);
@@ -354,28 +337,22 @@ START_TEST(wrong_input_changes_nothing) {
   const int beyond[] = {4, n}, below[] = {-1};
   s.surface = beyond;
   s.surface_count = 2;
-  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create", "surface", 1);
+  REFUSES(ARGUMENT, "surface", 1, dls_reduction_create, &moved, &model, &s);
   s.surface = below;
   s.surface_count = 1;
-  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create", "surface", 0);
+  REFUSES(ARGUMENT, "surface", 0, dls_reduction_create, &moved, &model, &s);
   s.surface = NULL;
-  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create", "surface", -1);
+  REFUSES(ARGUMENT, "surface", -1, dls_reduction_create, &moved, &model, &s);
   s.surface_count = -1;
-  expect_error(dls_reduction_create(&moved, &model, &s, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_create", "surface_count", -1);
+  REFUSES(ARGUMENT, "surface_count", -1, dls_reduction_create, &moved, &model, &s);
 }
-END_TEST
 
-START_TEST(every_failing_malloc_unwinds) {
+TEST(every_failing_malloc_unwinds) {
   static contacts c, d;
   dls_model model = cube_model(cholesky);
   dls_reduction_settings s = cube_settings(cholesky);
-  dls_reduction *moved;
   contacts_fill(&c, &model, 6, 2);
-  ck_assert_int_eq(dls_reduction_create(&moved, &model, &s, NULL), DLS_OK);
+  dls_reduction *moved = reduction_of(&model, &s);
   ck_assert_int_eq(dls_reduction_load(moved, loads, c.g, NULL), DLS_OK);
   static double before[n], after[n], r[18];
   r[0] = 1;
@@ -399,10 +376,9 @@ START_TEST(every_failing_malloc_unwinds) {
   ck_assert_int_eq(info.contacts, 9);
   dls_reduction_destroy(moved);
 }
-END_TEST
 
 /* The multiplier of a joint is no unknown of contact: u = x of two masses, tied by x_0 = x_1. */
-START_TEST(joints_stay_joints) {
+TEST(joints_stay_joints) {
   const int Kp[] = {0, 2, 4, 5}, Ki[] = {0, 2, 1, 2, 2}, Np[] = {0, 1}, Tp[] = {0, 0};
   const double Kx[] = {1, 1, 1, -1, 0}, one[] = {1};
   int Ni[] = {0};
@@ -414,20 +390,15 @@ START_TEST(joints_stay_joints) {
                      .Ks = {3, 3, Kp, Ki, Kx},
                      .HN = {3, 1, Np, Ni, one},
                      .HT = {3, 1, Tp, Ni, one}};
-  dls_reduction *moved;
   dls_error e;
-  ck_assert_int_eq(dls_reduction_create(&moved, &model, NULL, NULL), DLS_OK);
+  dls_reduction *moved = reduction_of(&model, NULL);
   Ni[0] = 1;
   ck_assert_int_eq(dls_reduction_move(moved, &model, NULL, &e), DLS_OK);
   Ni[0] = 2;
-  expect_error(dls_reduction_move(moved, &model, NULL, &e), &e, DLS_E_ARGUMENT,
-               "dls_reduction_move", "HN", -1);
+  REFUSES(ARGUMENT, "HN", -1, dls_reduction_move, moved, &model, NULL);
   dls_reduction_destroy(moved);
 }
-END_TEST
 
 int main(void) {
-  return RUN("move", cube_setup, cube_teardown, EACH(as_made_there, 0, kinds),
-             ONCE(options_move_too), ONCE(surface_of_create), ONCE(wrong_input_changes_nothing),
-             ONCE(every_failing_malloc_unwinds), ONCE(joints_stay_joints));
+  return run_tests("move", cube_setup, cube_teardown);
 }

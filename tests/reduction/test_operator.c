@@ -1,11 +1,4 @@
 /* test_operator.c: H = L P and W = H^T K^-1 H by hand, without what a scene does not need. */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "errors.h"
-#include "malloc_fails.h"
 #include "reduction/reduction_internal.h"
 #include "run.h"
 
@@ -41,7 +34,7 @@ static void expect_columns(const dlsi_columns *A, int rows, int cols, const int 
 }
 
 /* Candidates 0 and 2 are active, and the second one has no friction. */
-START_TEST(active_candidates) {
+TEST(active_candidates) {
   const double mu[] = {0.5, 9, 0};
   dls_model model = operator_model();
   model.P = (dls_sparse){3, 3, Pp, Pi, Px};
@@ -78,10 +71,9 @@ START_TEST(active_candidates) {
   ck_assert(dlsi_has_tangents(&H, 0) && dlsi_has_tangents(&H, 1));
   dlsi_operator_free(&H);
 }
-END_TEST
 
 /* Without friction there is one row a candidate. The friction of an inactive one does not count. */
-START_TEST(normals_alone) {
+TEST(normals_alone) {
   double mu[] = {0, 9, 0};
   dls_model model = operator_model();
   model.active = some;
@@ -102,10 +94,9 @@ START_TEST(normals_alone) {
   ck_assert(e.value == 0.25);
   dlsi_operator_free(&H);
 }
-END_TEST
 
 /* In space node k has the tangents 2 k and 2 k + 1, between the normals. */
-START_TEST(two_tangents) {
+TEST(two_tangents) {
   static const int np[] = {0, 1, 2}, ni[] = {0, 1}, tp[] = {0, 1, 2, 3, 4}, ti[] = {2, 3, 4, 5};
   static const double nx[] = {1, 2}, tx[] = {3, 4, 5, 6};
   dls_model model = operator_model();
@@ -124,13 +115,12 @@ START_TEST(two_tangents) {
   ck_assert_mem_eq(y, expected, sizeof y);
   dlsi_operator_free(&H);
 }
-END_TEST
 
 /* ---- W --------------------------------------------------------------------------------------- */
 
 /* Of the candidates above with K = diag(2^k): n_0 = (.5 at 1, 2 at 3), t_0 = (.25 at 0, 4 at 5),
  * n_2 = (-2 at 1, 2 at 4), t_2 = 0. */
-START_TEST(influence_by_hand) {
+TEST_EACH(influence_by_hand, 0, 3) {
   dls_model model = operator_model();
   model.P = (dls_sparse){3, 3, Pp, Pi, Px};
   model.active = some;
@@ -165,10 +155,9 @@ START_TEST(influence_by_hand) {
   dlsi_factor_destroy(factor);
   dlsi_operator_free(&H);
 }
-END_TEST
 
 /* W of an unsymmetric K stays so: (2 1; 0 1)^-1 = (.5 -.5; 0 1) on the unknowns 1 and 0. */
-START_TEST(influence_without_symmetry) {
+TEST(influence_without_symmetry) {
   static const int p[] = {0, 1, 3}, i[] = {0, 0, 1}, np[] = {0, 1}, ni[] = {1}, ti[] = {0};
   static const double x[] = {2, 1, 1}, one[] = {1};
   const dls_model model = {.d = 2,
@@ -191,14 +180,13 @@ START_TEST(influence_without_symmetry) {
   dlsi_factor_destroy(factor);
   dlsi_operator_free(&H);
 }
-END_TEST
 
 enum { links = 300, touched = 80 };
 
 /* 80 candidates on a chain of 300 unknowns, two on each of 80 unknowns, in batches of 64 columns or
  * from the Schur complement on these unknowns: K^-1 of (2 -1; -1 2 ..) is min(i, j) (n + 1 -
  * max(i, j)) / (n + 1), i and j counted from 1. */
-START_TEST(influence_of_a_chain) {
+TEST_EACH(influence_of_a_chain, 0, 6) {
   static int p[links + 1], i[3 * links], np[touched + 1], ni[touched], ti[touched];
   static double x[3 * links], one[touched], W[4 * touched * touched];
   const dls_factorization tag = (dls_factorization)(1 + _i / 2);
@@ -253,11 +241,4 @@ START_TEST(influence_of_a_chain) {
   }
   dlsi_factor_destroy(factor);
   dlsi_operator_free(&H);
-}
-END_TEST
-
-int main(void) {
-  return RUN("operator", NULL, NULL, ONCE(active_candidates), ONCE(normals_alone),
-             ONCE(two_tangents), EACH(influence_by_hand, 0, 3), ONCE(influence_without_symmetry),
-             EACH(influence_of_a_chain, 0, 6));
 }

@@ -8,19 +8,13 @@
  */
 #define _POSIX_C_SOURCE 200809L /* pthread_barrier, mkstemp */
 
-#include <check.h>
 #include <pthread.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "contact/contact.h"
-#include "delassus/files.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
+#include "delassus.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -123,9 +117,7 @@ static void solve_blocks(uint64_t seed, answer *out) {
   }
   const dls_contact problem = {
       .d = 2, .nc = blocks_nc, .Wb = {2, blocks_nc, p, i, x}, .q = q, .mu = mu};
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.method = DLS_NEWTON;
+  dls_solver_settings settings = settings_with(DLS_NEWTON, default_tol);
   out->status = dls_solve(&problem, &settings, out->r, NULL, NULL, NULL);
 }
 
@@ -199,7 +191,7 @@ static void *worker_run(void *data) {
   return NULL;
 }
 
-START_TEST(eight_threads_get_the_answers_of_one) {
+TEST(eight_threads_get_the_answers_of_one) {
   answer *expected = malloc(problems * sizeof *expected);
   body *b = malloc(sizeof *b);
   for (int k = 0; k < problems; k++) {
@@ -221,7 +213,6 @@ START_TEST(eight_threads_get_the_answers_of_one) {
     ck_assert_int_eq(w[t].wrong, 0);
   free(expected);
 }
-END_TEST
 
 /* ---- cost of the lock ------------------------------------------------------------------------ */
 
@@ -279,5 +270,5 @@ static int cost(void) {
 /* test_threads [cost] */
 int main(int argc, char **argv) {
   if (argc == 2 && strcmp(argv[1], "cost") == 0) return cost();
-  return RUN("threads", NULL, NULL, ONCE(eight_threads_get_the_answers_of_one));
+  return run_tests("threads", NULL, NULL);
 }

@@ -6,15 +6,8 @@
  * in the coordinates of the face, -1 <= xi, eta <= 1. Sixteenths of a face lie in one cell each,
  * and three points a direction are exact for degree 5.
  */
-#include <check.h>
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "close.h"
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
-#include "errors.h"
+#include "delassus.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 
@@ -103,7 +96,7 @@ static void integrate(const faces *g, integrals *sum) {
 static integrals exact; /* too large for a stack */
 
 /* Both orders and three units; nodes of the last column are candidates or not. */
-START_TEST(product_is_the_integral) {
+TEST_EACH(product_is_the_integral, 0, 12) {
   const int order = 1 + _i % 2, all = _i / 2 % 2;
   const double unit = (double[]){1, 1e-9, 1e9}[_i / 4];
   const faces g = grid_of(order, unit);
@@ -135,10 +128,9 @@ START_TEST(product_is_the_integral) {
   }
   ck_assert_int_eq(negative > 0, order == 2);
 }
-END_TEST
 
 /* Equal faces: the figures of docs/theory.md, section 6. */
-START_TEST(equal_faces_by_hand) {
+TEST(equal_faces_by_hand) {
   const double s[] = {0, 1, 2, 3, 4};
   int p[26], i[400], count;
   double x[400], area[25];
@@ -158,10 +150,9 @@ START_TEST(equal_faces_by_hand) {
   }
   ck_assert_double_eq(area[12], 1);
 }
-END_TEST
 
 /* A line of one node leaves the other line as it is; lines that are no lines are refused. */
-START_TEST(lines_alone) {
+TEST(lines_alone) {
   const double s[] = {0, 1, 4, 6}, back[] = {1, 0, 2}, even[] = {0, 1, 2, 3};
   int p[5], i[64], q[5], rows[12], columns;
   double x[64], area[4], y[12], length[4];
@@ -175,9 +166,8 @@ START_TEST(lines_alone) {
     ck_assert_mem_eq(i, rows, (size_t)q[4] * sizeof *i);
     ck_assert_mem_eq(x, y, (size_t)q[4] * sizeof *x);
     ck_assert_mem_eq(area, length, sizeof area);
-    expect_error(dls_weighting_face(1, 3, k ? back : s, NULL, 3, k ? s : back, NULL, p, i, x, area,
-                                    &columns, &error),
-                 &error, DLS_E_ARGUMENT, "dls_weighting_face", k ? "s" : "t", 1);
+    REFUSES(ARGUMENT, k ? "s" : "t", 1, dls_weighting_face, 1, 3, k ? back : s, NULL, 3,
+            k ? s : back, NULL, p, i, x, area, &columns);
   }
   const struct {
     int order, A, B;
@@ -193,12 +183,11 @@ START_TEST(lines_alone) {
     ck_assert_int_eq(columns, -7);
   }
 }
-END_TEST
 
 /* The nodes lie on a bed of springs, K = bed int N_i N_j in each direction, a gap above the plane,
  * and a uniform pressure is on them. By hand: all move down by the gap, the bed takes bed * gap,
  * contact the rest, as one pressure on all cells; u = 0 and no tangent. */
-START_TEST(uniform_pressure_stays_uniform) {
+TEST_EACH(uniform_pressure_stays_uniform, 0, 2) {
   enum { d = 3, n = d * most };
   static double K[n * n], one[n], f[n], gap[n], r[n], mu[most], x[n];
   static int Np[most + 1], Ni[most], Tp[2 * most + 1], Ti[2 * most], p[most + 1], i[16 * most];
@@ -239,9 +228,7 @@ START_TEST(uniform_pressure_stays_uniform) {
                            .P = {g.count, g.count, p, i, Px}};
   dls_reduction *reduction;
   dls_contact problem;
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = 1e-13;
+  dls_solver_settings settings = settings_with(DLS_AUTO, 1e-13);
   ck_assert_int_eq(reduce_on_W(&reduction, &model, NULL, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_load(reduction, f, gap, NULL), DLS_OK);
   ck_assert_int_eq(dls_reduction_contact(reduction, mu, &problem, NULL), DLS_OK);
@@ -253,11 +240,4 @@ START_TEST(uniform_pressure_stays_uniform) {
     ck_assert_double_eq_tol(x[d * c], -lift, 1e-11 * lift);
   }
   dls_reduction_destroy(reduction);
-}
-END_TEST
-
-int main(void) {
-  return RUN("weighting", NULL, NULL, EACH(product_is_the_integral, 0, 12),
-             ONCE(equal_faces_by_hand), ONCE(lines_alone),
-             EACH(uniform_pressure_stays_uniform, 0, 2));
 }

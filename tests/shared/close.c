@@ -11,11 +11,19 @@ double largest(const double *x, int n) {
   return m;
 }
 
-void assert_close(const double *x, const double *y, int n, double tol) {
-  const double scale = largest(y, n);
+void assert_near(const double *x, const double *y, int n, double tol) {
   for (int i = 0; i < n; i++)
-    ck_assert_msg(fabs(x[i] - y[i]) <= tol * scale, "[%d] %.17g, expected %.17g of %g", i, x[i],
-                  y[i], scale);
+    ck_assert_msg(fabs(x[i] - y[i]) <= tol, "[%d] %.17g, expected %.17g within %g", i, x[i], y[i],
+                  tol);
+}
+
+void assert_close(const double *x, const double *y, int n, double tol) {
+  assert_near(x, y, n, tol * largest(y, n));
+}
+
+void assert_all(const double *x, int n, double value) {
+  for (int i = 0; i < n; i++)
+    ck_assert_msg(x[i] == value, "[%d] %.17g, expected %.17g", i, x[i], value);
 }
 
 void scale_vector(double *y, const double *x, double factor, int n) {

@@ -106,6 +106,8 @@ dls_status __wrap_dlsi_fail(dls_error *error, dls_status status, const char *arg
   return __real_dlsi_fail(error, status, argument, index, value, "%s", text);
 }
 
+dls_error last_refusal;
+
 void expect_error(dls_status answer, const dls_error *error, dls_status status,
                   const char *function, const char *argument, long long index) {
   ck_assert_int_eq(answer, status);

@@ -45,21 +45,49 @@ int has_gnuplot(void) {
   return has;
 }
 
+const char *path_of(const char *name) {
+  static char path[1000];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  return path;
+}
+
+FILE *open_file(const char *name, const char *mode) {
+  FILE *file = fopen(path_of(name), mode);
+  ck_assert_msg(file != NULL, "%s does not open", path_of(name));
+  return file;
+}
+
+void write_file(const char *name, const char *text) {
+  FILE *file = open_file(name, "w");
+  ck_assert_int_ge(fputs(text, file), 0);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+int lines_of(const char *name, char *last, int size) {
+  FILE *file = open_file(name, "r");
+  int lines = 0;
+  while (fgets(last, size, file))
+    lines++;
+  (void)fclose(file);
+  return lines;
+}
+
 const char *contents(const char *name) {
   static char text[1100000];
-  char path[200];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "r");
-  ck_assert_msg(file != NULL, "%s is not there", path);
+  FILE *file = open_file(name, "r");
   text[fread(text, 1, sizeof text - 1, file)] = '\0';
   (void)fclose(file);
   return text;
 }
 
+double number_after(const char *before) {
+  const char *at = strstr(output, before);
+  ck_assert_msg(at != NULL, "no %s in %s", before, output);
+  return strtod(at + strlen(before), NULL);
+}
+
 double number_of(const char *name) {
   char key[64];
   (void)snprintf(key, sizeof key, "\"%s\": ", name);
-  const char *at = strstr(output, key);
-  ck_assert_msg(at != NULL, "no %s in %s", name, output);
-  return strtod(at + strlen(key), NULL);
+  return number_after(key);
 }

@@ -1,10 +1,4 @@
 /* trails_runs.c: the runs of trails.h. */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "auto/auto.h"
 #include "cases.h"
 #include "front_cases.h"

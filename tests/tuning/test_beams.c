@@ -9,13 +9,8 @@
  * A beam: nx x ny squares, clamped at its left end, above the ground; each node of the lower side
  * except the clamped one is a contact.
  */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
-#include "delassus/reduction.h"
-#include "delassus/solve.h"
+#include "delassus.h"
+#include "made.h"
 #include "reduced.h"
 #include "run.h"
 #include "solids.h"
@@ -69,8 +64,7 @@ static dls_reduction *beam_create(const beam_kind *k, int ny, double pushed) {
 static int beams_solve(int ny, int way, double *mean) {
   int solved = 0;
   double sum = 0, r[2 * nx], mu[nx];
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
+  dls_solver_settings s = settings_with(DLS_AUTO, default_tol);
   if (way < ways - 1) {
     s.method = DLS_NLGS;
     s.acceleration = (dls_acceleration)way;
@@ -97,16 +91,15 @@ static int beams_solve(int ny, int way, double *mean) {
 static int printing;
 
 /* Anderson's acceleration solves more beams than Aitken's, and takes fewer sweeps. */
-START_TEST(anderson_is_ahead) {
+TEST_EACH(anderson_is_ahead, 0, heights) {
   double aitken, anderson;
   if (!WITH_MUMPS) return;
   const int fewer = beams_solve(height[_i], DLS_ACCELERATION_AITKEN, &aitken);
   ck_assert_int_ge(beams_solve(height[_i], DLS_ACCELERATION_ANDERSON, &anderson), fewer);
   ck_assert_double_lt(anderson, aitken);
 }
-END_TEST
 
-START_TEST(print_table) {
+TEST(print_table) {
   if (!printing) return;
   printf("height, none, aitken, anderson, auto: solved of %d, mean\n", kinds * pushes * frictions);
   for (int h = 0; h < heights; h++) {
@@ -119,9 +112,8 @@ START_TEST(print_table) {
     printf("\n");
   }
 }
-END_TEST
 
 int main(int argc, char **argv) {
   printing = argc > 1 && strcmp(argv[1], "print") == 0;
-  return RUN("beams", NULL, NULL, EACH(anderson_is_ahead, 0, heights), ONCE(print_table));
+  return run_tests("beams", NULL, NULL);
 }

@@ -24,12 +24,6 @@
  *   RUN    STATUSES:COST[<LARGEST][~], or . for none; statuses: a letter for each solve, - where
  *          rounding decides; largest cost with rounding; ~: rounding changes counts
  */
-#include <check.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "run.h"
 #include "trails.h"
 
@@ -371,14 +365,13 @@ static int compare_trails(tally *all) {
   return k + local_lines;
 }
 
-START_TEST(trails_are_no_worse_than_those_of_the_file) {
+TEST(trails_are_no_worse_than_those_of_the_file) {
   static tally all;
   const int problems = compare_trails(&all);
   ck_assert_int_eq(all.lines, problems);
   ck_assert_int_eq(all.facts, 0);
   ck_assert_msg(all.worse == 0, "%d problems are worse than in the file", all.worse);
 }
-END_TEST
 
 START_TEST(print_trails) {
   static tally all;
@@ -388,12 +381,11 @@ START_TEST(print_trails) {
                 all.facts);
   write_trails();
 }
-END_TEST
 
 int main(int argc, char **argv) {
   if (argc > 1 && strcmp(argv[1], "print") == 0) {
     reason = argc > 2 ? argv[2] : NULL;
-    return RUN("trails", NULL, NULL, ONCE(print_trails));
+    return run_alone(print_trails, 0, 1);
   }
-  return RUN("trails", NULL, NULL, ONCE(trails_are_no_worse_than_those_of_the_file));
+  return run_tests("trails", NULL, NULL);
 }

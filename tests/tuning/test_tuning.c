@@ -4,17 +4,12 @@
  * sweeps. A change of tuning that breaks a test here needs a new figure; one that breaks a test
  * elsewhere is a defect.
  */
-#include <check.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "delassus.h"
 #include "doors.h"
 #include "failures.h"
 #include "front_cases.h"
-#include "malloc_fails.h"
+#include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -34,7 +29,7 @@ static const struct {
 };
 enum { known_count = sizeof known / sizeof known[0] };
 
-START_TEST(sweeps_by_hand) {
+TEST_EACH(sweeps_by_hand, 0, known_count) {
   static model a;
   set_hand(&a, hand_named(known[_i].name));
   const dls_nlgs_settings s = nlgs_tol(1e-14);
@@ -43,9 +38,8 @@ START_TEST(sweeps_by_hand) {
   ck_assert_int_eq(run_nlgs(&a.p, &s, r, NULL, &info), DLS_OK);
   ck_assert_int_eq(info.iterations, known[_i].sweeps);
 }
-END_TEST
 
-START_TEST(fewer_sweeps) {
+TEST_EACH(fewer_sweeps, 0, 10) {
   static model a;
   slow_model(&a, _i);
   double r[most];
@@ -61,12 +55,11 @@ START_TEST(fewer_sweeps) {
   ck_assert_int_le(5 * aitken.iterations, 4 * none.iterations);
   ck_assert_int_le(2 * anderson.iterations, none.iterations);
 }
-END_TEST
 
 /* The candidates numbered backwards and visited in the same order, W singular, u afresh on the way:
  * as long as no residual is one of rounding, by which the best r is chosen, not a bit is another
  * one. */
-START_TEST(same_visits_same_bits) {
+TEST(same_visits_same_bits) {
   static model a, b;
   const dls_acceleration kinds[] = {DLS_ACCELERATION_AITKEN, DLS_ACCELERATION_ANDERSON,
                                     DLS_ACCELERATION_NONE};
@@ -105,11 +98,10 @@ START_TEST(same_visits_same_bits) {
   }
   ck_assert_int_ge(compared, 60);
 }
-END_TEST
 
 /* ---- Newton's steps -------------------------------------------------------------------------- */
 
-START_TEST(steps_by_hand) {
+TEST_EACH(steps_by_hand, 0, known_count) {
   const hand_case *k = hand_named(known[_i].name);
   static model a;
   if (known[_i].steps < 0) return;
@@ -122,12 +114,10 @@ START_TEST(steps_by_hand) {
   ck_assert_int_eq(run_newton(&a.p, &s, r, NULL, &info), DLS_OK);
   ck_assert_int_eq(info.iterations, known[_i].steps);
   ck_assert_int_eq(info.sweeps, 0);
-  for (int i = 0; i < k->d * k->nc; i++)
-    ck_assert(fabs(r[i] - k->r[i]) <= 1e-14);
+  assert_near(r, k->r, k->d * k->nc, 1e-14);
 }
-END_TEST
 
-START_TEST(few_steps_after_sweeps) {
+TEST_EACH(few_steps_after_sweeps, 0, 40) {
   static model a;
   numbered_model(&a, _i);
   const dls_newton_settings s = newton_tol(1e-12);
@@ -136,12 +126,11 @@ START_TEST(few_steps_after_sweeps) {
   ck_assert_int_eq(run_newton(&a.p, &s, r, NULL, &info), DLS_OK);
   ck_assert_int_le(info.iterations, 6);
 }
-END_TEST
 
 /* ---- factorisations of ADMM ------------------------------------------------------------------ */
 
 /* W + rho D is singular at first: w = 1, W_tt = -1. */
-START_TEST(singular_sum_is_factorised_twice) {
+TEST(singular_sum_is_factorised_twice) {
   static model a;
   const hand_case k = {"singular", 2, 1, {3, 0, 0, -1}, {-3, 1}, 0, {1, 0}};
   set_hand(&a, &k);
@@ -151,10 +140,9 @@ START_TEST(singular_sum_is_factorised_twice) {
   ck_assert_int_eq(run_admm(&a.p, &s, r, NULL, &info), DLS_OK);
   ck_assert_int_eq(info.factorisations, 2);
 }
-END_TEST
 
 /* data/failures from any rho: the rule changes it nine times at most. */
-START_TEST(few_changes_of_rho) {
+TEST_EACH(few_changes_of_rho, 0, 8) {
   const double rho[] = {0.01, 0.03, 0.1, 0.3, 1, 3, 10, 100};
   int count;
   const failure *f = contact_failures(&count);
@@ -168,7 +156,6 @@ START_TEST(few_changes_of_rho) {
     ck_assert_int_le(info.factorisations, 9);
   }
 }
-END_TEST
 
 /* ---- pivots and limits ----------------------------------------------------------------------- */
 
@@ -182,7 +169,7 @@ static dls_contact twelve_candidates(unsigned seed) {
 
 /* Ten steps of a load that turns: from the states of the step before, one round of the crash start
  * is left. */
-START_TEST(lemke_starts_from_the_last_step) {
+TEST(lemke_starts_from_the_last_step) {
   dls_contact p = twelve_candidates(6);
   double load[M], r[M], cold[M];
   int warm_pivots = 0, cold_pivots = 0;
@@ -203,16 +190,12 @@ START_TEST(lemke_starts_from_the_last_step) {
   ck_assert_int_eq(warm_pivots, 9); /* one factorisation a step */
   ck_assert_int_gt(cold_pivots, 3 * warm_pivots);
   dls_solver_settings s = settings_of(DLS_LEMKE);
-  dls_error e;
   s.limits.warm_start = 1;
   r[4] = INFINITY;
-  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, &e), DLS_E_NOT_FINITE);
-  ck_assert_str_eq(e.argument, "r");
-  ck_assert_int_eq(e.index, 4);
+  REFUSES(NOT_FINITE, "r", 4, dls_solve, &p, &s, r, NULL, NULL);
 }
-END_TEST
 
-START_TEST(iteration_limit_is_honest) {
+TEST(iteration_limit_is_honest) {
   static const dls_method methods[] = {DLS_NLGS, DLS_LEMKE, DLS_AUTO};
   const dls_contact p = twelve_candidates(3);
   for (int k = 0; k < 3; k++) { /* Newton is there after 2 */
@@ -226,34 +209,31 @@ START_TEST(iteration_limit_is_honest) {
     ck_assert(info.certificate.residual > 1e-8 && isfinite(info.certificate.residual));
   }
 }
-END_TEST
 
 /* ---- stages of auto -------------------------------------------------------------------------- */
 
 /* Sweeps do not solve c11 (data/failures): dls_solve then allocates what the next stages need,
  * which dls_solver_create does at once for all of them. */
-START_TEST(later_stages_are_allocated_when_needed) {
+TEST(later_stages_are_allocated_when_needed) {
   const double a[16] = {1, 1, 0, -1, 1, 2, 1, -2, 0, 1, 3, 0, -1, -2, 0, 3}, b[4] = {-1, 1, -1, 0},
                friction[2] = {1, 1};
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, a}, .q = b, .mu = friction};
   const dls_solver_settings s = settings_of(DLS_AUTO);
   double r[4], t[4];
   dls_info info;
-  dls_solver *solver;
   ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
   ck_assert_int_gt(info.stages, 1);
   const long at_once = fail_in_turn(&p, &s, 1);
   ck_assert_int_gt(at_once, 1);
   ck_assert_int_le(at_once, fail_in_turn(&p, &s, 0) - 1);
-  ck_assert_int_eq(dls_solver_create(&solver, 2, 2, &s, NULL), DLS_OK);
+  dls_solver *solver = solver_of(2, 2, &s);
   ck_assert_int_eq(dls_solver_solve(solver, &p, t, NULL, NULL, NULL), DLS_OK);
   dls_solver_destroy(solver);
   ck_assert_mem_eq(r, t, sizeof r);
 }
-END_TEST
 
 /* Sweeps and steps end most of them, and all is solved. */
-START_TEST(auto_solves_what_its_methods_do_not) {
+TEST(auto_solves_what_its_methods_do_not) {
   static planted_problem a;
   int ended_with[DLS_HOMOTOPY + 1] = {0}, failed[DLS_HOMOTOPY + 1] = {0};
   for (int k = 0; k < 120; k++) {
@@ -273,10 +253,9 @@ START_TEST(auto_solves_what_its_methods_do_not) {
   ck_assert_int_ge(ended_with[DLS_NEWTON], 10);
   ck_assert(failed[DLS_NLGS] >= 1 && failed[DLS_NEWTON] >= 10);
 }
-END_TEST
 
 /* W of condition 1e7: 1e-6 of regularisation is felt, and can be left out. */
-START_TEST(positive_definite_saves_steps) {
+TEST(positive_definite_saves_steps) {
   static planted_problem a;
   const dls_method which[] = {DLS_NEWTON, DLS_AUTO};
   for (int k = 0; k < 2; k++) {
@@ -298,11 +277,10 @@ START_TEST(positive_definite_saves_steps) {
     ck_assert_msg(steps[1] < steps[0], "%d, %d", steps[0], steps[1]);
   }
 }
-END_TEST
 
 /* The surface of an elastic half-plane held far below, pressed and pushed: dense, ill-conditioned,
  * most candidates sticking (test_admm.c). Newton's first steps do not settle it. */
-START_TEST(auto_splits_where_it_is_large_and_stiff) {
+TEST(auto_splits_where_it_is_large_and_stiff) {
   enum { nc = 250, m = 2 * nc };
   static double plane[m * m], load[m], friction[nc], r[m];
   const dls_contact p = half_plane(plane, load, friction, nc, 100, 0.5, 0, 1);
@@ -314,7 +292,6 @@ START_TEST(auto_splits_where_it_is_large_and_stiff) {
     split += info.stage[k].method == DLS_ADMM;
   ck_assert_int_eq(split, 1);
 }
-END_TEST
 
 /* Square bricks one on the other, two candidates at the ends of each face that stands on something;
  * W by blocks, rank deficient. In one time step their weight gives them all the velocity (push,
@@ -353,7 +330,7 @@ static dls_contact column_of_bricks(int bricks, double push, int stirred, double
 
 /* At rest: sweeps would go up and down for long. In motion: no factorisation is risked before 200
  * sweeps. */
-START_TEST(auto_splits_a_stack_at_rest) {
+TEST_EACH(auto_splits_a_stack_at_rest, 0, 6) {
   const int bricks = _i % 2 ? 100 : 60; /* sparse and dense factors */
   dls_contact p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, _i >= 4, 1);
   double r[400];
@@ -371,16 +348,4 @@ START_TEST(auto_splits_a_stack_at_rest) {
     const dls_info other_units = solve_auto(&p, 1e-10, r);
     same_stages(&info, &other_units);
   }
-}
-END_TEST
-
-int main(void) {
-  return RUN("tuning", NULL, NULL, EACH(sweeps_by_hand, 0, known_count), EACH(fewer_sweeps, 0, 10),
-             ONCE(same_visits_same_bits), EACH(steps_by_hand, 0, known_count),
-             EACH(few_steps_after_sweeps, 0, 40), ONCE(singular_sum_is_factorised_twice),
-             EACH(few_changes_of_rho, 0, 8), ONCE(lemke_starts_from_the_last_step),
-             ONCE(iteration_limit_is_honest), ONCE(later_stages_are_allocated_when_needed),
-             ONCE(auto_solves_what_its_methods_do_not), ONCE(positive_definite_saves_steps),
-             ONCE(auto_splits_where_it_is_large_and_stiff),
-             EACH(auto_splits_a_stack_at_rest, 0, 6));
 }
