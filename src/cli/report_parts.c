@@ -191,7 +191,7 @@ void part_uniqueness(const parts *a, const dls_contact *contact) {
   const double own = largest_entry(contact->mu, contact->nc);
   dls_diagnosis facts = {0};
   dls_fold fold = {0};
-  char below[80] = "";
+  char below[80] = "", other[80] = "";
   if (list_answers(a, contact)) return;
   const int known = !dls_contact_diagnose(contact, most_rows_of_facts, &facts, NULL);
   const int folds = contact->nc <= (contact->d == 2 ? most_contacts_of_fold : DLS_STATES_MAX) &&
@@ -199,6 +199,12 @@ void part_uniqueness(const parts *a, const dls_contact *contact) {
   if (known && facts.friction_unique > 0 && isfinite(facts.friction_unique))
     (void)snprintf(below, sizeof below, " Below friction %.3g each load has one answer (proved).",
                    facts.friction_unique);
+  if (folds && isfinite(fold.friction))
+    (void)snprintf(other, sizeof other,
+                   " A search found loads with several answers only above friction %.3g.",
+                   fold.friction);
+  else if (folds)
+    (void)snprintf(other, sizeof other, " A search found no other answer for any load.");
   if ((known && own < facts.friction_unique) || (folds && fold.exact && own < fold.friction))
     page_say(a->page, PAGE_PLAIN, "Uniqueness%s: one answer, proved, at friction %.3g.%s", where(a),
              own, below);
@@ -210,7 +216,7 @@ void part_uniqueness(const parts *a, const dls_contact *contact) {
         where(a), own, fold.friction, fold.exact ? "" : ", perhaps less,", below);
   else
     page_say(a->page, PAGE_PLAIN, "Uniqueness%s: unknown at friction %.3g.%s%s", where(a), own,
-             folds ? " A search found no other answer for any load." : "", below);
+             other, below);
   if (known && own > facts.friction_critical)
     page_say(a->page, PAGE_PLAIN, "Contact %d alone can jam: its friction is above %.3g.",
              facts.critical + 1, facts.friction_critical);
