@@ -75,16 +75,10 @@ static double run_reference(const scene *s, setting *at) {
   return run_at(s, *at, 1e9).value;
 }
 
-/* Returns how much finer a setting is than another, INFINITY for a closed form. */
-static double times_finer(const setting *fine, const setting *than) {
-  return fine->nx      ? (double)fine->nx / than->nx
-         : fine->steps ? (double)fine->steps / than->steps
-                       : INFINITY;
-}
-
-/* Finds the cheapest setting of the grid that is within the accuracy, with all finer ones. */
+/* Returns the CPU of the cheapest setting of the grid that is within the accuracy, with all finer
+ * ones. */
 static double find_cheapest(const scene *s, const setting *advised, double seconds,
-                            double reference, double accuracy, setting *at) {
+                            double reference, double accuracy) {
   static grid_cell grid[GRID][GRID];
   double best = INFINITY;
   memset(grid, 0, sizeof grid);
@@ -110,29 +104,19 @@ static double find_cheapest(const scene *s, const setting *advised, double secon
       for (int k = i; k < GRID && good; k++)
         for (int l = j; l < GRID && good; l++)
           if (grid[k][l].run && !(grid[k][l].error <= accuracy)) good = 0;
-      if (!good || grid[i][j].seconds >= best) continue;
-      best = grid[i][j].seconds;
-      *at = setting_scaled(s, i + GRID_LOW, j + GRID_LOW, 0);
-      at->tol = advised->tol;
-      at->grade = advised->grade;
+      if (good) best = fmin(best, grid[i][j].seconds);
     }
   return best;
 }
 
-/* Returns the true error of the limit of the meshes over its estimate, the closed form kept aside;
- * NaN where the truth is a finer mesh of the same kind. */
-static double kept_aside(const scene *s, const budget *b, double truth) {
-  static budget aside;
-  scene without = *s;
+/* Returns the true error of the limit over its estimate, the closed form kept aside. */
+static double kept_aside(scene s, const budget *asked, double truth) {
+  static budget b;
   dls_error error = {0};
-  if (!isfinite(s->exact) && s->kind != SCENE_AT_ONCE) return NAN;
-  without.exact = NAN;
-  aside = (budget){&without, .of = b->of, .accuracy = b->accuracy, .limit = b->limit};
-  if (isfinite(s->exact)) {
-    stop_on(budget_run(&aside, &error), s->name, &error);
-    b = &aside;
-  }
-  return fabs(b->reference / truth - 1) / b->doubt[OF_FORCE];
+  s.exact = NAN;
+  b = (budget){&s, .of = asked->of, .accuracy = asked->accuracy, .limit = asked->limit};
+  stop_on(budget_run(&b, &error), s.name, &error);
+  return fabs(b.reference / truth - 1) / b.doubt[OF_FORCE];
 }
 
 typedef struct tally {
@@ -153,16 +137,18 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
   const budget *last = &b[ACCURACIES - 1];
   setting fine = last->probe[last->take].at;
   const double reference = run_reference(&s, &fine);
-  const double own = s.own.nx ? last->mesh.order : last->steps.order; /* of what is refined */
+  const double own = s.own.nx ? last->mesh.order : last->steps.order;
+  const double order = isfinite(own) ? own : 0.5; /* of what is refined */
   for (int k = 0; k < ACCURACIES; k++) {
     const probe *take = &b[k].probe[b[k].take];
-    setting cheap = take->at;
-    char words[SETTING_ROOM], other[SETTING_ROOM];
-    const double wrong = fabs(take->got.value / reference - 1) /
-                         (1 - pow(times_finer(&fine, &take->at), isfinite(own) ? -own : -0.5));
-    const double least = !b[k].met ? INFINITY
-                                   : find_cheapest(&s, &take->at, take->got.seconds, reference,
-                                                   accuracies[k], &cheap);
+    char words[SETTING_ROOM];
+    const double times = fine.nx      ? (double)fine.nx / take->at.nx
+                         : fine.steps ? (double)fine.steps / take->at.steps
+                                      : INFINITY;
+    const double wrong = fabs(take->got.value / reference - 1) / (1 - pow(times, -order));
+    const double least =
+        b[k].met ? find_cheapest(&s, &take->at, take->got.seconds, reference, accuracies[k])
+                 : INFINITY;
     sum->pairs++;
     sum->undecided += !b[k].met;
     sum->met += b[k].met && wrong <= accuracies[k];
@@ -174,10 +160,10 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
                 take->got.seconds);
     bench_print(to, isfinite(least) ? " %.2g | %.2g |" : " | %.2g |",
                 isfinite(least) ? take->got.seconds / least : b[k].error, b[k].error);
-    const double aside = kept_aside(&s, &b[k], reference);
-    bench_print(to, isfinite(aside) ? " %.2g |\n" : " |\n", aside);
-    if (isfinite(least))
-      printf("cheapest: %s, %.2g s\n", setting_text(&s, &cheap, 0, other), least);
+    if (times < INFINITY)
+      bench_print(to, " |\n");
+    else
+      bench_print(to, " %.2g |\n", kept_aside(s, &b[k], reference));
     (void)fflush(to);
   }
 }
