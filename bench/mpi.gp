@@ -20,13 +20,10 @@ set logscale xy
 set xrange [1:64]
 set xtics (1, 2, 4, 8, 16, 32, 64)
 set format y '10^{%T}'
-set xlabel "ranks"
-set ylabel "CPU of the factor, a rank [s]"
-set key outside right top Left reverse
-set grid lc rgb '#d8d8d8'
+set xlabel "ranks"; set ylabel "CPU of the factor, a rank [s]"
+set grid lc rgb '#d8d8d8'; set key outside right top Left reverse
 set title 'The CPU of a rank falls with the ranks'
-set terminal pngcairo size 860,460 font ',13'
-set output dir."mpi.png"
+set terminal pngcairo size 860,460 font ',13'; set output dir."mpi.png"
 cubes = "22 30 60 100"
 colour(k) = word("#0072b2 #009e73 #d55e00 #cc79a7", k)
 plot for [k=1:2] csv every ::1 using ($1 == word(cubes, k) + 0 ? $2 : NaN):12 with points pt 7 ps 1.6 lc rgb colour(k) title "measured, ".word(cubes, k)."^3 elements", \

@@ -1,6 +1,6 @@
 /*
  * chart.c: delassus chart FILE|SCENE: work against precision of every method on one problem: a
- * ladder of tolerances, a picture, a table, and the method to take.
+ * ladder of tolerances, a picture, a table, and the fastest method.
  *
  * The true error of an answer is its distance from a reference: of the methods that solve to 1e-8,
  * those whose answers agree share one reference, the answer with the least residual among them; how
@@ -35,7 +35,7 @@ static void chart_usage(FILE *out) {
         "  or:  delassus chart [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
         "Runs each method on one contact problem (a file, a scene of 'delassus scene --list', or\n"
         "matrices) to tolerances 1e-2 to 1e-14, and compares CPU, residual, true error and\n"
-        "convergence. Prints a table and the method to take; writes chart.csv, history.csv,\n"
+        "convergence. Prints a table and the fastest method; writes chart.csv, history.csv,\n"
         "chart.png and chart.svg.\n"
         "\n"
         "  -r, --repeat=N        time each solve up to N times and use the least (25)\n"

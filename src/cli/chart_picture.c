@@ -225,7 +225,7 @@ static void write_stages(FILE *s, const chart *c) {
     const double height = 0.04 + 0.055 * (i % 3);
     fprintf(s,
             "  set arrow from first %g,graph 0 to first %g,graph %g nohead lw 1 dt 3 lc rgb "
-            "'#000000'\n  set label ' %s' at first %g,graph %g left font ',10' noenhanced front "
+            "'#000000'\n  set label ' %s' at first %g,graph %g left font ',11' noenhanced front "
             "boxed\n",
             at, at, height + 0.03, h->stage[i], at, height);
   }
@@ -313,7 +313,7 @@ static int write_chart_script(const chart *c, const char *directory) {
           "least(y) = y > %g ? y : y == y ? %g : NaN\n",
           least_residual, least_residual);
   write_band(s, c);
-  begin_pictures(s, "chart", 1500, 1250);
+  begin_pictures(s, "chart", 1180, 1120);
   fputs("  set key off\n  set border\n  set tics\n  set grid lc rgb '#d8d8d8'\n  set style textbox "
         "opaque noborder margins 0.3,0.3\n",
         s);

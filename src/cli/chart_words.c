@@ -18,7 +18,8 @@ void chart_advice(const chart *c, char *text, size_t size) {
   char how[60] = "the fastest at every tolerance";
   if (c->worst[c->take] >= 1.05)
     (void)snprintf(how, sizeof how, "at most %.2g times the fastest", c->worst[c->take]);
-  int used = snprintf(text, size, "take %s: %s", a->who[c->take].name, how);
+  int used = snprintf(text, size, "%s%s: %s", c->take ? "the fastest on the whole, " : "",
+                      a->who[c->take].name, how);
   if (used < 0 || (size_t)used >= size || c->take == 0) return;
   if (isfinite(c->worst[0]))
     (void)snprintf(text + used, size - (size_t)used, "; auto: at most %.2g times", c->worst[0]);

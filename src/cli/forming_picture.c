@@ -160,8 +160,12 @@ static int write_plastic(const char *directory, const char *title, const dls_for
   return draw_script(script, directory, "plastic");
 }
 
-/* Draws pressure and shear along the surface at the end, and the pressure over the path. */
+enum { MOST_CELLS = 2000 }; /* of the map: a quarter of a megabyte */
+
+/* Draws pressure and shear along the surface at the end, and the pressure over the path: every
+ * k-th step, to the last. */
 static int write_pressure(const char *directory, const char *title, const dls_forming_data *d) {
+  const int every = 1 + d->steps * d->candidates / MOST_CELLS;
   FILE *script = open_script(directory, "pressure");
   if (!script) return 0;
   fprintf(script, "set xlabel '%s'\n", d->axisymmetric ? "z [mm]" : "x [mm]");
@@ -180,9 +184,9 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
           "  set cblabel 'pressure [MPa]' offset 2\n  set view map\n"
           "  set palette defined (0 '#ffffff', 0.3 '#f0b060', 0.7 '#c03020', 1 '#400020')\n"
           "  set cbrange [0:*]\n"
-          "  splot 'pressure.dat' using 2:1:3 with pm3d\n",
+          "  splot 'pressure.dat' every 1:%d:0:%d using 2:1:3 with pm3d\n",
           quote(AS_GNUPLOT, title).text, d->axisymmetric ? "top left" : "top right",
-          d->axisymmetric ? 100 : 10);
+          d->axisymmetric ? 100 : 10, every, (d->steps - 1) % every);
   return draw_script(script, directory, "pressure");
 }
 

@@ -281,7 +281,7 @@ static int map_methods(int count, char **names, map_options *o) {
       (void)snprintf(title, sizeof title, "%s: who solves it, friction by friction", subject.name);
     }
     (void)snprintf(subtitle, sizeof subtitle,
-                   "blue: solved to %.0e; the darker the faster; numbers: CPU over the fastest of "
+                   "blue: solved to %.0e; the bluer the faster; numbers: CPU over the fastest of "
                    "the row",
                    o->tol);
   }

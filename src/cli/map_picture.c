@@ -82,6 +82,8 @@ static int write_map_data(const map_picture *p) {
   return close_file(file, "map.dat");
 }
 
+static const double line_key = 21; /* pixels of a line in the key */
+
 /* The layout in pixels. */
 typedef struct layout {
   double width, height, cell_w, cell_h, left, top, side, gap_x, gap_y;
@@ -97,21 +99,21 @@ static layout lay_out(const map_picture *p) {
   const int many = p->panels > 1;
   for (int j = 0; j < p->columns && !many; j++)
     if (strlen(p->column[j]) > widest) widest = strlen(p->column[j]);
-  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8.4 * (double)widest),
+  layout l = {.cell_w = many ? 46 : fmax(70, 6 + 5.9 * (double)widest),
               .cell_h = many           ? 26
                         : p->rows > 24 ? 22
                                        : 31};
   l.across = p->panels < 3 ? p->panels : 3;
   l.down = (p->panels + l.across - 1) / l.across;
-  l.left = 75 + 7.8 * (double)longest;
+  l.left = 55 + 7.2 * (double)longest;
   l.top = 95;
-  l.side = p->side ? 300 : 0;
+  l.side = p->side ? 190 : 0;
   l.gap_x = l.left;
   l.gap_y = 80;
-  l.width = l.across * (l.left + p->columns * l.cell_w) + (l.side > 0 ? l.side + 95 : 25);
-  if (p->lines) l.width += 330;
+  l.width = l.across * (l.left + p->columns * l.cell_w) + (l.side > 0 ? l.side + 60 : 25);
   l.width = fmax(l.width, 880); /* of the words on top */
-  l.height = l.top + l.down * (p->rows * l.cell_h + l.gap_y) + (p->notes ? 25 : 0);
+  l.height =
+      l.top + l.down * (p->rows * l.cell_h + l.gap_y) + (p->notes ? 25 : 0) + line_key * p->lines;
   return l;
 }
 
@@ -164,12 +166,7 @@ static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int 
       k, k, k, p->panels > 1 ? 9 : 11);
 }
 
-static int by_row(const void *a, const void *b) {
-  const map_line *x = a, *y = b;
-  return (x->row > y->row) - (x->row < y->row);
-}
-
-/* Draws the panel beside, and names the lines on its right, a row apart. */
+/* Draws the panel beside. */
 static void write_side(FILE *s, const map_picture *p, const layout *l) {
   const double left = l->left + p->columns * l->cell_w + 35, right = left + l->side;
   double lo = INFINITY, hi = 0;
@@ -191,18 +188,11 @@ static void write_side(FILE *s, const map_picture *p, const layout *l) {
           "xtics lc rgb '#d8d8d8'\n"
           "  set xtics norangelimit autofreq enhanced\n",
           p->side_title, lo / 1.5, hi * 1.5, p->rows - 0.5);
-  double before = -INFINITY;
-  for (int i = 0; i < p->lines; i++) {
-    const map_line *line = &p->line[i];
-    double at = fmax(line->row, before + 0.75);
-    before = at;
+  for (int i = 0; i < p->lines; i++)
     fprintf(s,
             "  set arrow from graph 0,first %.4f to graph 1,first %.4f nohead lw 2.5 dt 2 lc rgb "
-            "'%s'\n  set arrow from graph 1,first %.4f to graph 1.04,first %.4f nohead lw 1.2 lc "
-            "rgb '%s'\n  set label %s at graph 1.05,first %.4f left tc rgb '%s' font ',12'\n",
-            line->row, line->row, line->colour, line->row, at, line->colour,
-            quote(AS_GNUPLOT, line->text).text, at, line->colour);
-  }
+            "'%s'\n",
+            p->line[i].row, p->line[i].row, p->line[i].colour);
   fprintf(s,
           "  plot 'map.dat' index %d using 1:2 with linespoints pt 7 ps 1.1 lw 2.5 lc rgb "
           "'#000000'\n  unset arrow\n  unset label\n  unset logscale\n",
@@ -227,7 +217,15 @@ static int write_map_script(const map_picture *p) {
   if (p->notes)
     fprintf(s, "  set label %s at screen %.5f,%.5f left font ',12' noenhanced\n",
             quote(AS_GNUPLOT, p->notes).text, 20 / l.width, 14 / l.height);
-  fputs("  plot -1 with lines\n  unset label\n  set border lc rgb '#808080'\n", s);
+  for (int i = 0; i < p->lines; i++) { /* their key */
+    const double y = (14 + (p->notes ? 25 : 0) + line_key * i) / l.height;
+    fprintf(s,
+            "  set arrow from screen %.5f,%.5f to screen %.5f,%.5f nohead lw 2.5 dt 2 lc rgb '%s'\n"
+            "  set label %s at screen %.5f,%.5f left font ',13'\n",
+            20 / l.width, y, 60 / l.width, y, p->line[i].colour,
+            quote(AS_GNUPLOT, p->line[i].text).text, 70 / l.width, y);
+  }
+  fputs("  plot -1 with lines\n  unset label\n  unset arrow\n  set border lc rgb '#808080'\n", s);
   for (int k = 0; k < p->panels; k++)
     write_map_panel(s, p, &l, k);
   if (p->side) write_side(s, p, &l);
@@ -250,7 +248,6 @@ static void drop_columns(map_picture *p) {
 int draw_map(const map_picture *given) {
   map_picture p = *given;
   if (p.panels == 1 && p.rows) drop_columns(&p);
-  qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
   const int drawn = write_map_data(&p) ? write_map_script(&p) : 0;
   if (drawn == 2) tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
   return drawn ? EXIT_SOLVED : EXIT_BAD_INPUT;

@@ -44,7 +44,7 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
       "set xrange [0:%g]\n",
       quote(AS_GNUPLOT, d->name).text, units_of(d)->time, units_of(d)->energy, d->state.t);
   begin_pictures(script, "energy", 1000, 640);
-  fputs("  plot 'energy.csv' every ::1 using 1:10 with lines lw 5 lc rgb '#dddddd' title 'energy "
+  fputs("  plot 'energy.csv' every ::1 using 1:10 with lines lw 5 lc rgb '#aaaaaa' title 'energy "
         "less all works'",
         script);
   for (size_t k = 0; k < sizeof line / sizeof line[0]; k++)

@@ -97,7 +97,7 @@ static void print_budget(const budget *b) {
     if (!(b->scene->has >> of & 1)) continue;
     printf(", \"%s\": {\"asked\": %s, \"error\": ", quantity_names[of],
            b->of >> of & 1 ? "true" : "false");
-    print_json_number(stdout, budget_error(b, b->take, of) + b->doubt[of]);
+    print_json_number(stdout, budget_within(b, b->take, of));
     fputs(", \"reference_error\": ", stdout);
     print_json_number(stdout, b->doubt[of]);
     putchar('}');
@@ -189,8 +189,8 @@ static void first_screen(report *a, const budget *b, const problem *p) {
              100 * take->got.part);
   else if (b->scene->kind == SCENE_MOVING)
     page_say(&a->page, PAGE_PLAIN,
-             "Stability: it finishes; the energy balance of the worst step is off by %.1e.",
-             take->got.drift);
+             "Stability: it finishes; the energy balance of the worst step is off by %.1e %%.",
+             100 * take->got.drift);
   else
     page_say(&a->page, PAGE_PLAIN, "Stability: it finishes, each contact problem solved to %.0e.",
              take->at.tol);
@@ -295,6 +295,8 @@ static int add_contact(report *a, const problem *p, const char *directory) {
       if (seconds > 0)
         page_say(&a->page, PAGE_PLAIN, "Speed: %.2g ms of CPU besides, to reduce K to W.",
                  1e3 * seconds);
+      if (b->best >= 0)
+        page_say(&a->page, PAGE_PLAIN, "Stability: auto solves it to %.0e.", b->tol[b->best]);
       part_uniqueness(&a->parts, contact);
       if (b->take >= 0) {
         (void)snprintf(options, sizeof options, "--tol=%.0e", b->tol[b->take]);

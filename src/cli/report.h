@@ -115,7 +115,11 @@ void budget_tables(const budget *b, page *p);
 /* Returns the distance of a probe from the reference, without the doubt; INFINITY without one. */
 double budget_error(const budget *b, int probe, quantity_of of);
 
-/* Returns which of what is asked has the largest error, its doubt added. */
+/* Returns that with the doubt or, of the setting to take, the distance from its check run if that
+ * is more. */
+double budget_within(const budget *b, int probe, quantity_of of);
+
+/* Returns which of what is asked has the largest error. */
 quantity_of budget_worst(const budget *b, int probe);
 
 /* Writes budget.csv, budget.gp and draws budget.svg in the directory; 0 after a complaint. */

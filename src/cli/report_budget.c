@@ -229,19 +229,23 @@ double budget_error(const budget *b, int k, quantity_of of) {
                         : probes_apart(b, k, of == OF_DRIFT ? k : b->finest[of], of);
 }
 
+double budget_within(const budget *b, int k, quantity_of of) {
+  const double error = budget_error(b, k, of) + b->doubt[of];
+  return k == b->take && b->check >= 0 ? fmax(error, probes_apart(b, k, b->check, of)) : error;
+}
+
 quantity_of budget_worst(const budget *b, int k) {
   quantity_of worst = OF_COUNT;
   for (quantity_of of = OF_FORCE; of < OF_COUNT; of++)
-    if (b->of >> of & 1 && (worst == OF_COUNT || !(budget_error(b, k, of) + b->doubt[of] <=
-                                                   budget_error(b, k, worst) + b->doubt[worst])))
+    if (b->of >> of & 1 &&
+        (worst == OF_COUNT || !(budget_within(b, k, of) <= budget_within(b, k, worst))))
       worst = of;
   return worst;
 }
 
-/* Returns the error of the worst of what is asked, with its doubt. */
+/* Returns the error of the worst of what is asked. */
 static double asked_error(const budget *b, int k) {
-  const quantity_of worst = budget_worst(b, k);
-  return budget_error(b, k, worst) + b->doubt[worst];
+  return budget_within(b, k, budget_worst(b, k));
 }
 
 /* Returns the largest doubt of what is asked. */
@@ -351,11 +355,12 @@ static void take_the_best(budget *b) {
     b->take = best;
     b->check = -1;
     b->error = error;
+    b->met = error <= b->accuracy;
   }
   /* the error that is left falls with the order; without one, with the least order */
   const double order = isfinite(of->order) ? of->order : least_order;
   const double factor = pow(2, is_mesh(b, of) ? -0.5 * order : -order);
-  if (of->low > of->high || b->disagree) return;
+  if (of->low > of->high || b->disagree || b->met) return;
   for (int more = 1; more <= MOST_LEVELS; more++) {
     const int level = of->high + more;
     if (b->error * pow(factor, more) > b->accuracy) continue;

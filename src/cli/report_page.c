@@ -38,15 +38,18 @@ static const char style[] =
     "table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums }\n"
     "th, td { padding: .2rem .7rem .2rem 0; text-align: right; white-space: nowrap;\n"
     "  border-bottom: 1px solid var(--line) }\n"
-    "th { font-weight: 600 } th:first-child, td:first-child { text-align: left }\n"
+    "th { font-weight: 600 } th:first-child, td:first-child, .word { text-align: left }\n"
+    ".word { padding-left: .7rem }\n"
     "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; overflow-x: auto;\n"
     "  font-size: .85rem }\n"
     "figure { margin: .8rem 0 } figcaption { font-size: .9rem; opacity: .85 }\n"
     "svg { display: block; width: 100%; height: auto }\n"
-    "@media (max-width: 600px) { th, td { white-space: normal; padding-right: .5rem } }\n"
+    "@media (max-width: 600px) { table { font-size: .78rem }\n"
+    "  th, td { white-space: normal; padding-right: .4rem } }\n"
     "@media print {\n"
     "  :root { --ink: #000; --paper: #fff; --line: #bbb; --soft: #f3f3f3; --mark: #000 }\n"
-    "  svg { filter: none; min-width: 0 !important } body { font-size: 11px; max-width: none }\n"
+    "  svg { filter: none; min-width: 0 !important } html { font-size: 11px }\n"
+    "  body { font-size: 1rem; max-width: none }\n"
     "  figure, table, pre { break-inside: avoid } h2 { break-after: avoid }\n"
     "  .wide { overflow: visible } pre { white-space: pre-wrap }\n}\n"
     "</style>\n</head>\n<body>\n";
@@ -143,8 +146,9 @@ void page_table_end(page *p) {
     for (int j = 0; j < p->columns; j++) {
       const char *cell = p->cell[i * p->columns + j];
       const int length = (int)strlen(quote(AS_SHOWN, cell).text);
+      const int below = p->cell[(rows > 1) * p->columns + j][0] | 32;
       if (length > width[j]) width[j] = length;
-      fprintf(p->html, "<%s>", mark);
+      fprintf(p->html, j && below >= 'a' && below <= 'z' ? "<%s class=\"word\">" : "<%s>", mark);
       write_words(p, cell);
       fprintf(p->html, "</%s>", mark);
     }

@@ -105,7 +105,7 @@ static int make_part(parts *a, const char *what, const char *options, int (*run)
 void part_speed(parts *a, int step) {
   char path[PATH_ROOM], options[40], of_step[24] = "";
   if (step) (void)snprintf(of_step, sizeof of_step, " --step=%d", step);
-  (void)snprintf(options, sizeof options, "--budget=%.2g --repeat=5%s", a->cpu, of_step);
+  (void)snprintf(options, sizeof options, "--budget=%.2g --repeat=8%s", a->cpu, of_step);
   if (!make_part(a, "chart", options, command_chart, path)) return;
   (void)page_picture(a->page, path, "chart.svg",
                      "Every method: residual, cost, error and convergence");
@@ -151,6 +151,11 @@ static void count_cells(const parts *a, const char *path) {
 
 enum { ANSWERS = 32, ANSWER_ROWS = 2 * DLS_STATES_MAX };
 
+/* Returns words for the contact problem that stands for a scene in steps. */
+static const char *where(const parts *a) {
+  return a->scene && a->scene->kind != SCENE_AT_ONCE ? " of the contact problem of one step" : "";
+}
+
 /* Lists all answers of a small problem in 2D; returns 0 where that is not known. */
 static int list_answers(const parts *a, const dls_contact *contact) {
   static const char *const count[] = {"no answer", "one answer", "two answers", "three answers"};
@@ -171,12 +176,14 @@ static int list_answers(const parts *a, const dls_contact *contact) {
                                    : ": r = ",
                                r[k * m + i]);
   if (set.continua)
-    page_say(a->page, PAGE_PLAIN, "Uniqueness: more than one answer, in %d connected set%s.",
-             set.continua, plural(set.continua));
+    page_say(a->page, PAGE_PLAIN, "Uniqueness%s: more than one answer, in %d connected set%s.",
+             where(a), set.continua, plural(set.continua));
   else if (set.isolated < 4)
-    page_say(a->page, PAGE_PLAIN, "Uniqueness: %s, proved%s.", count[set.isolated], text);
+    page_say(a->page, PAGE_PLAIN, "Uniqueness%s: %s, proved%s.", where(a), count[set.isolated],
+             text);
   else
-    page_say(a->page, PAGE_PLAIN, "Uniqueness: %d answers, proved%s.", set.isolated, text);
+    page_say(a->page, PAGE_PLAIN, "Uniqueness%s: %d answers, proved%s.", where(a), set.isolated,
+             text);
   return 1;
 }
 
@@ -184,7 +191,7 @@ void part_uniqueness(const parts *a, const dls_contact *contact) {
   const double own = largest_entry(contact->mu, contact->nc);
   dls_diagnosis facts = {0};
   dls_fold fold = {0};
-  char below[80] = "";
+  char below[80] = "", other[80] = "";
   if (list_answers(a, contact)) return;
   const int known = !dls_contact_diagnose(contact, most_rows_of_facts, &facts, NULL);
   const int folds = contact->nc <= (contact->d == 2 ? most_contacts_of_fold : DLS_STATES_MAX) &&
@@ -192,17 +199,24 @@ void part_uniqueness(const parts *a, const dls_contact *contact) {
   if (known && facts.friction_unique > 0 && isfinite(facts.friction_unique))
     (void)snprintf(below, sizeof below, " Below friction %.3g each load has one answer (proved).",
                    facts.friction_unique);
+  if (folds && isfinite(fold.friction))
+    (void)snprintf(other, sizeof other,
+                   " A search found loads with several answers only above friction %.3g.",
+                   fold.friction);
+  else if (folds)
+    (void)snprintf(other, sizeof other, " A search found no other answer for any load.");
   if ((known && own < facts.friction_unique) || (folds && fold.exact && own < fold.friction))
-    page_say(a->page, PAGE_PLAIN, "Uniqueness: one answer, proved, at friction %.3g.%s", own,
-             below);
+    page_say(a->page, PAGE_PLAIN, "Uniqueness%s: one answer, proved, at friction %.3g.%s", where(a),
+             own, below);
   else if (folds && own >= fold.friction)
-    page_say(a->page, PAGE_PLAIN,
-             "Uniqueness: unknown at friction %.3g. Above friction %.3g%s some loads have several "
-             "answers.%s",
-             own, fold.friction, fold.exact ? "" : ", perhaps less,", below);
+    page_say(
+        a->page, PAGE_PLAIN,
+        "Uniqueness%s: unknown at friction %.3g. Above friction %.3g%s some loads have several "
+        "answers.%s",
+        where(a), own, fold.friction, fold.exact ? "" : ", perhaps less,", below);
   else
-    page_say(a->page, PAGE_PLAIN, "Uniqueness: unknown at friction %.3g.%s%s", own,
-             folds ? " A search found no other answer for any load." : "", below);
+    page_say(a->page, PAGE_PLAIN, "Uniqueness%s: unknown at friction %.3g.%s%s", where(a), own,
+             other, below);
   if (known && own > facts.friction_critical)
     page_say(a->page, PAGE_PLAIN, "Contact %d alone can jam: its friction is above %.3g.",
              facts.critical + 1, facts.friction_critical);
@@ -242,8 +256,8 @@ void part_run(parts *a, const scene_answer *got) {
   if (!make_part(a, "scene", options, run[kind], path)) return;
   if (moves) {
     page_say(a->page, PAGE_PLAIN,
-             "The energy balance of the worst step is off by %.1e of the energies in it.",
-             got->drift);
+             "The energy balance of the worst step is off by %.1e %% of the energies in it.",
+             100 * got->drift);
     if (isfinite(got->gap))
       page_say(a->page, PAGE_PLAIN, "The gap is off by %.2g %% of the closed form (L2 over time).",
                100 * got->gap);
@@ -253,8 +267,10 @@ void part_run(parts *a, const scene_answer *got) {
   }
   static const char *const captions[3][2] = {
       {"The deformed mesh and its reactions", "Reactions along the contact line"},
-      {"Force against travel", "Pressure over the surface and the travel"},
-      {"State and pressure over surface and time", "Gap and force beside the closed form"}};
+      {"Force against travel",
+       "Pressure over the surface and the travel; none has the colour of the page"},
+      {"State and pressure over surface and time; none has the colour of the page",
+       "Gap and force beside the closed form"}};
   for (int k = 0; k < 2; k++)
     (void)page_picture(a->page, path, pictures[kind][k], captions[kind][k]);
   static const char *const columns[3] = {"candidate_from_0,x,rn,rt,un,ut,status",

@@ -72,7 +72,7 @@ void budget_accuracy(const budget *b, page *p) {
   for (quantity_of of = OF_FORCE; of < OF_COUNT; of++) {
     if (!(s->has >> of & 1)) continue;
     page_cell(p, "%s", of == OF_FORCE ? s->answer : words[of]);
-    page_cell(p, "%s", percent(budget_error(b, b->take, of) + b->doubt[of], text));
+    page_cell(p, "%s", percent(budget_within(b, b->take, of), text));
     page_cell(p, "%s", of == OF_DRIFT ? "" : percent(b->doubt[of], text));
     page_cell(p, "%s", b->of >> of & 1 ? "yes" : "no");
   }
