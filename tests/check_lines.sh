@@ -29,7 +29,7 @@ src/mpi 3809
 src/python 2872
 src/fortran 579
 tests 69705
-bench 13976
+bench 13895
 examples 2799
 END
 [ "${bad:-0}" = 0 ] && echo "lines: $sum, no room over its budget"
