@@ -155,14 +155,14 @@ static int box_operators(box *b, const grid *g, int n) {
   return 0;
 }
 
-static int box_fill(box *b, const grid *g, double skew) {
+static int box_fill(box *b, const grid *g, double nu, double skew) {
   const int d = g->d, fixed = g->back ? d - 1 : 0;
   const int n =
       d * (g->nodes[0] * g->nodes[1] * g->nodes[2] / g->nodes[fixed]) * (g->nodes[fixed] - 1);
   double x[24], Ke[24 * 24];
   for (int k = 0; k < d << d; k++)
     x[k] = k / d >> k % d & 1;
-  box_element(d, x, 0.3, Ke);
+  box_element(d, x, nu, Ke);
   memset(b, 0, sizeof *b);
   b->model.d = d;
   b->model.n = n;
@@ -185,12 +185,20 @@ static int box_fill(box *b, const grid *g, double skew) {
 
 int box_create(box *b, int d, int cells, double skew) {
   const grid g = {d, 0, {cells + 1, cells + 1, d == 3 ? cells + 1 : 1}};
-  return box_fill(b, &g, skew);
+  return box_fill(b, &g, 0.3, skew);
 }
 
 int box_create_glued(box *b, int d, int cells, int height) {
   const grid g = {d, 1, {cells + 1, d == 3 ? cells + 1 : height + 1, d == 3 ? height + 1 : 1}};
-  return box_fill(b, &g, 0);
+  return box_fill(b, &g, 0.3, 0);
+}
+
+int box_create_cube(box *b, int n, double nu) {
+  const grid g = {3, 1, {n + 1, n + 1, n + 1}};
+  if (box_fill(b, &g, nu, 0)) return -1;
+  for (int k = 0; k < b->p[b->model.n]; k++)
+    b->x[k] /= n; /* the stiffness of a cube grows with its side */
+  return 0;
 }
 
 double box_residual(const dls_model *model, const double *x, const double *b) {

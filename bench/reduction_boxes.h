@@ -21,6 +21,9 @@ int box_create(box *b, int d, int cells, double skew);
 /* Makes a flat box of this height, glued to a rigid body above in place of the face x = 0. All
  * nodes of the face below touch: along x first, then, d = 3, along y. */
 int box_create_glued(box *b, int d, int cells, int height);
+
+/* Makes such a cube of side 1, n elements a side, of this ratio of Poisson. */
+int box_create_cube(box *b, int n, double nu);
 void box_free(box *b);
 
 /* Returns |K x - b| / (|K||x|) in maximum norms, |K| by rows; NAN without memory. */

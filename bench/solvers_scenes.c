@@ -4,16 +4,9 @@
  * fclib, global: every file of a directory; at most 20 contacts: set "tiny". A global problem
  * (K, H) comes twice: unchanged, where the reduction by delassus counts, and reduced.
  *
- * block, cube: an elastic block, E = 1, nu = 0.3, of equal slabs piled upwards, b unknowns on the
- * plane between two slabs. One slab has the stiffness (ll lu; ul uu), 2 b x 2 b. From the top
- * down, the stiffness Z and load h of all that stands on a plane are condensed to the plane below:
- *
- *   E = Z + uu,   Z := ll - lu E^-1 ul,   h := f_below - lu E^-1 h                           (SS1)
- *
- * starting with Z = ll where the top is glued to a rigid back, Z = 0 where it is free. On the
- * bottom plane W = Z^-1 and x = Z^-1 h of the contact unknowns (SS2). K of the whole block is
- * never formed: 7/3 b^3 flops for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
- * moved as a rigid body, so that without reactions the block goes with it and q is
+ * block, cube: an elastic block, E = 1, nu = 0.3, whose top is glued to a rigid back or free,
+ * condensed to its bottom by the library. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is moved
+ * as a rigid body, so that without reactions the block goes with it and q is
  *
  *   press  down, and along by as much     hertz  down on a paraboloid obstacle, and along
  *   shear  down, and along by 5 times it  tilt   down, turned so that a part opens, and along
@@ -28,7 +21,7 @@
  * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
  * of every other row; two contacts for each pair of faces that touch, 20 to 336 of them; mu is
  * 0.3, 1, 8, with --full also 0.6 and 3. In one time step, from rest, gravity gives each brick the
- * velocity (push, -1): W = H^T M^-1 H (SS3) is rank deficient and sparse, u a velocity.
+ * velocity (push, -1): W = H^T M^-1 H is rank deficient and sparse, u a velocity.
  */
 #include <dirent.h>
 #include <math.h>
@@ -43,18 +36,9 @@
 #include "regret_kinds.h"
 #include "solvers_scenes.h"
 
-void dpotrf_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
-void dpotri_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
-void dtrsm_(const char *side, const char *uplo, const char *transa, const char *diag, const int *m,
-            const int *n, const double *alpha, const double *a, const int *lda, double *b,
-            const int *ldb, size_t, size_t, size_t, size_t);
 void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
             const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
             size_t);
-void dgemv_(const char *trans, const int *m, const int *n, const double *alpha, const double *a,
-            const int *lda, const double *x, const int *incx, const double *beta, double *y,
-            const int *incy, size_t);
-
 static const double E = 1, usual_nu = 0.3;
 
 static double *zeros(size_t count) {
@@ -130,97 +114,35 @@ int scenes_files(const char *directory, scene_fn visit, void *data) {
 
 /* ---- an elastic block ------------------------------------------------------------------------ */
 
-/* Condenses all slabs to the bottom plane, (SS1).
- *
- *   S: a slab, the lower plane first, 2b x 2b
- *   f: loads, b a plane from the bottom; NULL for none
- *   Z: stiffness, b x b, lower triangle
- *   h: load, b */
-static int block_condense(int b, int slabs, const double *S, const double *f, int glued, double *Z,
-                          double *h) {
-  const size_t B = (size_t)b, ld = 2 * B;
-  const double one = 1, minus = -1;
-  const int unit = 1;
-  double *A = zeros(B * B), *Y = zeros(B * B), *y = zeros(B);
-  int info = !A || !Y || !y, plane = glued ? slabs - 1 : slabs;
-  memset(h, 0, B * sizeof *h);
-  for (size_t k = 0; k < B * B; k++)
-    Z[k] = glued ? S[k % B + k / B * ld] : 0;
-  if (f) memcpy(h, f + (size_t)plane * B, B * sizeof *h);
-  for (; plane > 0 && !info; plane--) {
-    for (size_t k = 0; k < B * B; k++) {
-      const size_t i = k % B, j = k / B;
-      A[k] = Z[k] + S[B + i + (B + j) * ld];
-      Y[k] = S[B + i + j * ld];
-      Z[k] = S[i + j * ld];
-    }
-    memcpy(y, h, B * sizeof *h);
-    memset(h, 0, B * sizeof *h);
-    if (f) memcpy(h, f + (size_t)(plane - 1) * B, B * sizeof *h);
-    dpotrf_("L", &b, A, &b, &info, 1);
-    dtrsm_("L", "L", "N", "N", &b, &b, &one, A, &b, Y, &b, 1, 1, 1, 1);
-    dtrsm_("L", "L", "N", "N", &b, &unit, &one, A, &b, y, &b, 1, 1, 1, 1);
-    dsyrk_("L", "T", &b, &b, &minus, Y, &b, &one, Z, &b, 1, 1);
-    dgemv_("T", &b, &b, &minus, Y, &b, y, &unit, &one, h, &unit, 1);
-  }
-  free(A);
-  free(Y);
-  free(y);
-  return info;
-}
-
 /* The contact problem on the bottom of a block; owns its arrays. */
 typedef struct elastic {
   int d, nc;
-  double *W;     /* m x m */
-  double *x;     /* m: without reactions, but for the motion of the back */
-  double *place; /* 2 nc: horizontal coordinates from the middle */
+  dls_reduction *reduction;
+  dls_contact condensed; /* q: without reactions, but for the motion of the back */
+  double *place;         /* 2 nc: horizontal coordinates from the middle */
   double *q, *mu;
 } elastic;
 
 static void block_free(elastic *k) {
-  free(k->W);
-  free(k->x);
+  dls_reduction_destroy(k->reduction);
   free(k->place);
   free(k->q);
   free(k->mu);
 }
 
-static int block_create(elastic *k, int d, int nc) {
-  const size_t m = (size_t)d * (size_t)nc;
-  *k = (elastic){d, nc, zeros(m * m), zeros(m), zeros(2 * (size_t)nc), zeros(m), zeros(m)};
-  return k->W && k->x && k->place && k->q && k->mu ? 0 : out_of_memory();
-}
-
-/* Computes W and x from Z and h, (SS2). Unknowns of Z and h: d for each node, the vertical last. */
-static int block_invert(elastic *k, int b, double *Z, double *h) {
-  const size_t B = (size_t)b, d = (size_t)k->d, m = d * (size_t)k->nc;
-  const double one = 1;
-  const int unit = 1;
-  int info;
-  dpotrf_("L", &b, Z, &b, &info, 1);
-  if (info) return info;
-  dtrsm_("L", "L", "N", "N", &b, &unit, &one, Z, &b, h, &b, 1, 1, 1, 1);
-  dtrsm_("L", "L", "T", "N", &b, &unit, &one, Z, &b, h, &b, 1, 1, 1, 1);
-  dpotri_("L", &b, Z, &b, &info, 1);
-  for (size_t j = 0; j < m; j++) {
-    const size_t column = j - j % d + (j % d + d - 1) % d; /* (n, t, s) is (z, x, y) */
-    k->x[j] = h[column];
-    for (size_t i = 0; i < m; i++) {
-      const size_t row = i - i % d + (i % d + d - 1) % d;
-      k->W[i + j * m] = row >= column ? Z[row + column * B] : Z[column + row * B];
-    }
-  }
-  return info;
-}
-
-/* Holds unknown i of every slab. */
-static void block_fix(int b, double *S, int i) {
-  for (int k = 0; k < 2 * b; k++)
-    for (int half = 0; half < 2; half++) {
-      const size_t B = (size_t)b, j = (half ? B : 0) + (size_t)i, K = (size_t)k, ld = 2 * B;
-      S[K + j * ld] = S[j + K * ld] = K == j;
-    }
+/* Condenses a block to its contact nodes. f: loads, or NULL. */
+static int block_condense(elastic *k, const dls_model *model, const double *f) {
+  const size_t d = (size_t)model->d, nc = (size_t)model->nodes;
+  *k = (elastic){.d = model->d, .nc = model->nodes};
+  k->place = zeros(2 * nc);
+  k->q = zeros(d * nc);
+  k->mu = zeros(nc);
+  if (!k->place || !k->q || !k->mu) return out_of_memory();
+  return bench_reduce(&k->reduction, model, NULL) ||
+                 dls_reduction_load(k->reduction, f, NULL, NULL) ||
+                 dls_reduction_contact(k->reduction, k->mu, &k->condensed, NULL)
+             ? -1
+             : 0;
 }
 
 /* Moves the back of a block; p is the depth by which it is pressed down. */
@@ -252,7 +174,6 @@ typedef struct load {
 
 static void visit_block(elastic *k, const char *set, const char *name, move_fn move, double mu,
                         scene_fn visit, void *data) {
-  const int m = k->d * k->nc;
   const double press = 1e-3;
   for (int c = 0; c < k->nc; c++) {
     const double X = k->place[2 * c], Y = k->place[2 * c + 1];
@@ -263,11 +184,12 @@ static void visit_block(elastic *k, const char *set, const char *name, move_fn m
       q[1] -= press * Y;
     }
     for (int i = 0; i < k->d; i++)
-      k->q[k->d * c + i] = k->x[k->d * c + i] + q[i];
+      k->q[k->d * c + i] = k->condensed.q[k->d * c + i] + q[i];
     k->mu[c] = mu;
   }
-  scene s = {.set = set,
-             .contact = {.d = k->d, .nc = k->nc, .W = {m, m, m, k->W}, .q = k->q, .mu = k->mu}};
+  scene s = {.set = set, .contact = k->condensed};
+  s.contact.q = k->q;
+  s.contact.mu = k->mu;
   snprintf(s.name, sizeof s.name, "%s-mu%g", name, mu);
   visit(data, &s);
 }
@@ -276,45 +198,50 @@ static void visit_block(elastic *k, const char *set, const char *name, move_fn m
 static const double frictions[] = {0.3, 1, 0.1, 0.6, 2};
 enum { quick_frictions = 2, all_frictions = 5 };
 
-/* Makes a 2D block of n candidates: n - 1 squares of two triangles wide, half as many high. */
+/* Makes a 2D block of n candidates: n - 1 squares of two triangles wide, half as many high. raous:
+ * u_x = 0 on the right, u_y = 0 at its lowest node. */
 static int block_of_triangles(elastic *k, int n, int raous) {
-  const int nx = n - 1, slabs = nx / 2, b = 2 * n;
-  const size_t B = (size_t)b;
-  dls_fe_mesh slab = {0}, whole = {0};
-  double *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B),
-         *f = zeros((size_t)(slabs + 1) * B);
-  dls_status bad = !S || !Z || !h || !f ? DLS_E_MEMORY : DLS_OK;
-  if (!bad) bad = dls_fe_mesh_block(&slab, 1, 1.0 / nx, nx, 1, NULL);
-  if (!bad) bad = dls_fe_mesh_block(&whole, 1, (double)slabs / nx, nx, slabs, NULL);
-  if (!bad) bad = dls_fe_stiffness(&slab, E, usual_nu, S, 2 * b, NULL);
+  const int nx = n - 1, slabs = nx / 2, all = 2 * n * (slabs + 1), nc = raous ? nx : n;
   const double pressure = 1e-3, side = 2e-3;
+  dls_fe_mesh mesh = {0};
+  dls_fe_matrix K = {0};
+  double *f = zeros(2 * (size_t)all + (size_t)nc), *loads = f + all, *one = loads + all;
+  int *unknown = calloc((size_t)(all + 3 * nc + 1), sizeof *unknown), unknowns = 0;
+  int *normal = unknown + all, *tangent = normal + nc, *p = tangent + nc;
+  dls_status bad = !f || !unknown ? DLS_E_MEMORY : DLS_OK;
+  if (!bad) bad = dls_fe_mesh_block(&mesh, 1, (double)slabs / nx, nx, slabs, NULL);
   for (int i = 0; raous && !bad && i < nx; i++)
-    bad = dls_fe_edge_load(&whole, slabs * n + i, slabs * n + i + 1, 0, -pressure, f, NULL);
+    bad = dls_fe_edge_load(&mesh, slabs * n + i, slabs * n + i + 1, 0, -pressure, f, NULL);
   for (int j = 0; raous && !bad && j < slabs; j++)
-    bad = dls_fe_edge_load(&whole, j * n, (j + 1) * n, side, 0, f, NULL);
-  dls_fe_mesh_free(&slab);
-  dls_fe_mesh_free(&whole);
-  int info = bad || block_create(k, 2, raous ? nx : n);
-  if (!info && raous) {
-    block_fix(b, S, b - 2); /* u_x on the right; the loads have nothing there */
-    for (int j = 0; j <= slabs; j++)
-      f[(size_t)(j + 1) * B - 2] = 0;
+    bad = dls_fe_edge_load(&mesh, j * n, (j + 1) * n, side, 0, f, NULL);
+  for (int i = 0; !bad && i < all; i++) {
+    const int node = i / 2, right = node % n == nx && (i % 2 == 0 || node == nx);
+    unknown[i] = (raous ? right : node / n == slabs) ? -1 : unknowns;
+    if (unknown[i] >= 0) loads[unknowns++] = f[i];
   }
-  if (!info) info = block_condense(b, slabs, S, raous ? f : NULL, !raous, Z, h);
-  if (!info && raous) { /* u_y of its lowest node: the last unknown */
-    for (size_t j = 0; j < B; j++)
-      Z[B - 1 + j * B] = 0;
-    Z[B * B - 1] = 1;
-    h[B - 1] = 0;
+  for (int c = 0; !bad && c < nc; c++) {
+    tangent[c] = unknown[2 * c];
+    normal[c] = unknown[2 * c + 1];
+    one[c] = 1;
+    p[c + 1] = c + 1;
   }
-  if (!info) info = block_invert(k, b, Z, h);
-  for (int c = 0; !info && c < k->nc; c++)
+  if (!bad) bad = dls_fe_sparse_stiffness(&mesh, E, usual_nu, unknown, unknowns, &K, NULL);
+  const dls_model model = {.d = 2,
+                           .n = unknowns,
+                           .nodes = nc,
+                           .operator_kind = DLS_STIFFNESS_SPARSE,
+                           .factorization = DLS_CHOLESKY,
+                           .Ks = K.A,
+                           .HN = {unknowns, nc, p, normal, one},
+                           .HT = {unknowns, nc, p, tangent, one}};
+  const int result = bad || block_condense(k, &model, loads) ? -1 : 0;
+  for (int c = 0; !result && c < nc; c++)
     k->place[2 * c] = (double)c / nx - 0.5;
-  free(S);
-  free(Z);
-  free(h);
+  dls_fe_mesh_free(&mesh);
+  dls_fe_matrix_free(&K);
   free(f);
-  return info ? -1 : 0;
+  free(unknown);
+  return result;
 }
 
 /* Visits the block under each load with each of the first `count` frictions. */
@@ -349,34 +276,15 @@ int scenes_blocks(int full, scene_fn visit, void *data) {
 
 /* Makes a cube of n x n x n hexahedra, glued at the top, a candidate at each node of the bottom. */
 static int block_of_hexahedra(elastic *k, int n, double nu) {
-  const int nodes = (n + 1) * (n + 1), b = 3 * nodes;
-  const size_t B = (size_t)b;
-  double corner[24], K[24 * 24], *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B);
-  int info = !S || !Z || !h || block_create(k, 3, nodes);
-  for (int i = 0; i < 24; i++)
-    corner[i] = (i / 3 >> i % 3 & 1) / (double)n;
-  box_element(3, corner, nu, K);
-  for (int e = 0; !info && e < n * n; e++) {
-    size_t unknown[24];
-    for (int i = 0; i < 24; i++) {
-      const int v = i / 3, x = e % n + (v & 1), y = e / n + (v >> 1 & 1), upper = v >> 2;
-      const int node = x + y * (n + 1) + upper * nodes;
-      unknown[i] = 3 * (size_t)node + (size_t)(i % 3);
-    }
-    for (int i = 0; i < 24; i++)
-      for (int j = 0; j < 24; j++)
-        S[unknown[i] + unknown[j] * 2 * B] += K[i + 24 * j];
-  }
-  if (!info) info = block_condense(b, n, S, NULL, 1, Z, h);
-  if (!info) info = block_invert(k, b, Z, h);
-  for (int c = 0; !info && c < nodes; c++) {
+  box b;
+  if (box_create_cube(&b, n, nu)) return out_of_memory();
+  const int result = block_condense(k, &b.model, NULL);
+  for (int c = 0; !result && c < k->nc; c++) {
     k->place[2 * c] = (double)(c % (n + 1)) / n - 0.5;
     k->place[2 * c + 1] = (double)(c / (n + 1)) / n - 0.5; // NOLINT(bugprone-integer-division)
   }
-  free(S);
-  free(Z);
-  free(h);
-  return info ? -1 : 0;
+  box_free(&b);
+  return result;
 }
 
 static const load cube_loads[] = {

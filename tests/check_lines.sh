@@ -28,7 +28,7 @@ src/cli 14100
 src/mpi 3809
 src/python 2872
 src/fortran 579
-tests 65387
+tests 65405
 bench 13976
 examples 2799
 END
