@@ -34,12 +34,9 @@ set xtics (0.03, 0.06, 0.125, 0.25, 0.5) ; set format x '%g'
 do for [mu in '1 0.2'] {
   set title 'Error, friction '.mu
   pick(s, p) = when(column(1) == real(s) && strcol(2) eq p)
-  plot file using ($3 * 1e3):(pick(mu, 'whole') * $4) with points pt 7 lc rgb red title 'weighted, 0 to 3 mm', \
-       '' using ($3 * 1e3):(pick(mu, 'whole') * $5) with points pt 9 lc rgb green title 'weighted, P r, 0 to 3 mm', \
-       '' using ($3 * 1e3):(pick(mu, 'whole') * $6) with points pt 5 lc rgb blue title 'concentrated, 0 to 3 mm', \
-       '' using ($3 * 1e3):(pick(mu, 'smooth') * $4) with points pt 6 lc rgb red title 'weighted, 2 to 3 mm', \
-       '' using ($3 * 1e3):(pick(mu, 'smooth') * $5) with points pt 8 lc rgb green title 'weighted, P r, 2 to 3 mm', \
-       '' using ($3 * 1e3):(pick(mu, 'smooth') * $6) with points pt 4 lc rgb blue title 'concentrated, 2 to 3 mm', \
+  plot for [p in 'whole smooth'] for [c=4:6] file using ($3 * 1e3):(pick(mu, p) * column(c)) with points \
+       pt (word('7 9 5', c - 3) - (p eq 'smooth')) lc rgb word(red.' '.green.' '.blue, c - 3) \
+       title word('"weighted" "weighted, P r" "concentrated"', c - 3).(p eq 'whole' ? ', 0' : ', 2').' to 3 mm', \
        0.4 * x with lines ls 1 title 'model: h', 0.04 * x**2 with lines lc rgb grey dt 4 lw 2 title 'model: h^2'
 }
 unset multiplot
@@ -61,12 +58,11 @@ set xrange [1e-2:3e3]; set yrange [1e-9:1e7]
 run(c, k, w) = when(column(1) == c && strcol(2) eq k && strcol(3) eq w)
 do for [c=0:2] {
   set title name(c).', tolerance 1e-8, limit 20,000 sweeps'
-  plot file using ($6 * 1e3):(run(c, 'K', 'aitken') * $7) with lines lw 2 lc rgb blue title 'on K: Aitken', \
-       '' using ($6 * 1e3):(run(c, 'K', 'best') * $7) with lines lw 2 lc rgb red title 'on K: best omega', \
-       '' using ($6 * 1e3):(run(c, 'K', 'plain') * $7) with lines lw 2 lc rgb grey title 'on K: plain', \
-       '' using ($6 * 1e3):(run(c, 'W', 'aitken') * $7) with lines lw 2 dt 3 lc rgb blue title 'on W: Aitken', \
-       '' using ($6 * 1e3):(run(c, 'W', 'best') * $7) with lines lw 2 dt 3 lc rgb red title 'on W: best omega', \
-       '' using ($6 * 1e3):(run(c, 'W', 'plain') * $7) with lines lw 2 dt 3 lc rgb grey title 'on W: plain'
+  way(k) = word('aitken best plain', k)
+  shade(k) = word(blue.' '.red.' '.grey, k)
+  named(k) = word('"Aitken" "best omega" "plain"', k)
+  plot for [k=1:3] file using ($6 * 1e3):(run(c, 'K', way(k)) * $7) with lines lw 2 lc rgb shade(k) title 'on K: '.named(k), \
+       for [k=1:3] file using ($6 * 1e3):(run(c, 'W', way(k)) * $7) with lines lw 2 dt 3 lc rgb shade(k) title 'on W: '.named(k)
 }
 file = dir.'papers_omega.csv'
 unset logscale x
@@ -97,12 +93,9 @@ set ylabel 'relative error'
 set xrange [0.5:2e15]; set yrange [1e-16:1e8]
 set title 'Error of the reactions, and penetration'
 is(s) = when(strcol(1) eq s)
-plot file using 2:(is('fig3-16') * $3) with points pt 7 lc rgb blue title 'block 16x8: reactions', \
-     '' using 2:(is('fig3-16') * $4) with points pt 6 lc rgb blue title 'block 16x8: penetration / largest gap', \
-     '' using 2:(is('fig3-64') * $3) with points pt 5 lc rgb red title 'block 64x32: reactions', \
-     '' using 2:(is('fig3-64') * $4) with points pt 4 lc rgb red title 'block 64x32: penetration / largest gap', \
-     '' using 2:(is('indentation') * $3) with points pt 9 lc rgb green title 'indentation: force', \
-     '' using 2:(is('indentation') * $4) with points pt 8 lc rgb green title 'indentation: penetration / travel', \
+plot for [k=1:3] for [c=3:4] file using 2:(is(word('fig3-16 fig3-64 indentation', k)) * column(c)) with points \
+     pt (word('7 5 9', k) + 3 - c) lc rgb word(blue.' '.red.' '.green, k) \
+     title word('"block 16x8" "block 64x32" "indentation"', k).': '.(c == 3 ? (k < 3 ? 'reactions' : 'force') : 'penetration / '.(k < 3 ? 'largest gap' : 'travel')), \
      1 / x with lines ls 1 title 'model: 1 / s'
 set format y '%g'
 set ylabel 'Newton steps'
@@ -125,18 +118,14 @@ set xlabel 'rows of the LCP, 3 for each contact'
 set ylabel 'pivots, rounds of the crash start'
 set xrange [15:6e3]; set yrange [1:1e5]
 set title 'Pivots'
-plot file using 3:(is('block') * $4) with points pt 7 lc rgb purple title 'block: path', \
-     '' using 3:(is('lining') * $4) with points pt 5 lc rgb purple title 'lining: path', \
-     '' using 3:(is('block') * $6) with points pt 6 lc rgb blue title 'block: crash start', \
-     '' using 3:(is('lining') * $6) with points pt 4 lc rgb blue title 'lining: crash start', \
+plot for [c=4:6:2] for [k in 'block lining'] file using 3:(is(k) * column(c)) with points \
+     pt ((c == 4 ? 7 : 6) - 2 * (k eq 'lining')) lc rgb (c == 4 ? purple : blue) title k.(c == 4 ? ': path' : ': crash start'), \
      x / 3 with lines ls 1 title 'model: one pivot a contact'
 set ylabel 'CPU [s]'
 set yrange [1e-6:1e3]
 set title 'CPU, without the condensation'
-plot file using 3:(is('block') * $5) with points pt 7 lc rgb purple title 'block: path', \
-     '' using 3:(is('lining') * $5) with points pt 5 lc rgb purple title 'lining: path', \
-     '' using 3:(is('block') * $7) with points pt 6 lc rgb blue title 'block: crash start', \
-     '' using 3:(is('lining') * $7) with points pt 4 lc rgb blue title 'lining: crash start', \
+plot for [c=5:7:2] for [k in 'block lining'] file using 3:(is(k) * column(c)) with points \
+     pt ((c == 5 ? 7 : 6) - 2 * (k eq 'lining')) lc rgb (c == 5 ? purple : blue) title k.(c == 5 ? ': path' : ': crash start'), \
      '' using 3:(is('block') * $8) with points pt 13 lc rgb 'black' title 'block: auto', \
      '' using 3:(is('lining') * $8) with points pt 12 lc rgb 'black' title 'lining: auto', \
      3e-11 * x**3 with lines ls 1 title 'model: n^3', 5e-9 * x**2 with lines lc rgb grey dt 4 lw 2 title 'model: n^2'
@@ -162,14 +151,9 @@ set ylabel 'error of the stress at the end, relative'
 set xrange [3:6e3]; set yrange [1e-7:1]
 set title 'A point: error beside (6) in 65,536 steps'
 point(m, p) = when(strcol(1) eq m && column(2) == p)
-plot file using 3:(point('indentation', 0) * $4) with points pt 7 lc rgb red title '(12), indentation, shear', \
-     '' using 3:(point('indentation', 1) * $4) with points pt 6 lc rgb red title '(12), indentation, shear and stretch', \
-     '' using 3:(point('extrusion', 0) * $4) with points pt 5 lc rgb red title '(12), extrusion, shear', \
-     '' using 3:(point('extrusion', 1) * $4) with points pt 4 lc rgb red title '(12), extrusion, shear and stretch', \
-     '' using 3:(point('indentation', 0) * $5) with points pt 7 lc rgb blue title '(6), indentation, shear', \
-     '' using 3:(point('indentation', 1) * $5) with points pt 6 lc rgb blue title '(6), indentation, shear and stretch', \
-     '' using 3:(point('extrusion', 0) * $5) with points pt 5 lc rgb blue title '(6), extrusion, shear', \
-     '' using 3:(point('extrusion', 1) * $5) with points pt 4 lc rgb blue title '(6), extrusion, shear and stretch', \
+plot for [c=4:5] for [m in 'indentation extrusion'] for [p=0:1] file using 3:(point(m, p) * column(c)) with points \
+     pt ((m eq 'indentation' ? 7 : 5) - p) lc rgb (c == 4 ? red : blue) \
+     title (c == 4 ? '(12), ' : '(6), ').m.(p ? ', shear and stretch' : ', shear'), \
      1.5 / x with lines ls 1 title 'model: 1 / steps'
 unset logscale y
 set format y '%g'
@@ -209,13 +193,9 @@ set xlabel 'distance of nodes, width of the block 4'
 set ylabel 'error of the density at 2 to 3, relative'
 set xrange [0.05:0.9]; set yrange [3e-8:1]
 set title 'Error beside a mesh of at least 4 times as many nodes'
-plot file using 3:(kind('linear edges', 'concentrated') * $4) with points pt 4 lc rgb blue title 'linear, concentrated', \
-     '' using 3:(kind('linear edges', 'weighted') * $4) with points pt 6 lc rgb red title 'linear, weighted', \
-     '' using 3:(kind('quadratic edges', 'concentrated') * $4) with points pt 5 lc rgb blue title 'quadratic, concentrated', \
-     '' using 3:(kind('quadratic edges', 'weighted') * $4) with points pt 7 lc rgb red title 'quadratic, weighted', \
-     '' using 3:(kind('four-node faces', 'concentrated') * $4) with points pt 8 lc rgb blue title '3D four-node, concentrated', \
-     '' using 3:(kind('four-node faces', 'weighted') * $4) with points pt 8 lc rgb red title '3D four-node, weighted', \
-     '' using 3:(kind('nine-node faces', 'concentrated') * $4) with points pt 9 lc rgb blue title '3D nine-node, concentrated', \
-     '' using 3:(kind('nine-node faces', 'weighted') * $4) with points pt 9 lc rgb red title '3D nine-node, weighted', \
+plot for [k=1:4] for [r=1:2] file using \
+     3:(kind(word('"linear edges" "quadratic edges" "four-node faces" "nine-node faces"', k), word('concentrated weighted', r)) * $4) with points \
+     pt (word('4 6 5 7 8 8 9 9', 2 * k + r - 2) + 0) lc rgb (r == 1 ? blue : red) \
+     title word('linear quadratic "3D four-node" "3D nine-node"', k).', '.word('concentrated weighted', r), \
      0.05 * x**2 with lines ls 1 title 'model: h^2'
 unset multiplot

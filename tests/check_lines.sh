@@ -29,7 +29,7 @@ src/mpi 3809
 src/python 2872
 src/fortran 579
 tests 65405
-bench 13976
+bench 13874
 examples 2799
 END
 [ "${bad:-0}" = 0 ] && echo "lines: $sum, no room over its budget"
