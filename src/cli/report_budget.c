@@ -393,7 +393,9 @@ static void make_reference(budget *b) {
     b->reference = g->limit;
     doubt = g->doubt;
   }
-  b->disagree = two && !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
+  /* grading that raises the order shows an edge that the even mesh does not resolve */
+  b->disagree = two && !(g->order > m->order + alike) &&
+                !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
   if (b->disagree) doubt = fabs(g->limit / m->limit - 1);
   for (quantity_of of = OF_CURVE; of < OF_COUNT; of++) {
     const ladder *last = m->low <= m->high ? m : &b->steps;

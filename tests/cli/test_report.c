@@ -163,6 +163,11 @@ static const struct {
      0,
      {"Uniqueness: three answers, proved: r = 0 0; r = 2 -3; r = 1 -2.",
       "delassus solve --tol=1e-01 data/failures/c01-three-solutions.txt"}},
+    /* its even meshes tend to 200,000, with an order that an edge takes from them */
+    {"report jean-fig4 --quick --accuracy .001 --cpu 12 --text -o @",
+     "jean-fig4.html",
+     0,
+     {"grade 3, tol 1e-05: friction force within 0.1 %", "Reference: 1991"}},
     /* momentum gives the impulse for nothing */
     {"report bar-bounce --quick --accuracy .1 --of force --text -o @",
      "bar-bounce.html",
