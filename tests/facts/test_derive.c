@@ -486,7 +486,7 @@ TEST(bad_calls) {
   dls_derive_destroy(derive);
 }
 
-START_TEST(named_file) {
+TEST_ALONE(named_file) {
   dls_fclib *file;
   dls_error why;
   int nc;

@@ -315,7 +315,7 @@ static void print_numbers(int n, const double *x) {
 static int verdicts; /* to print */
 
 /* "lcp n", M by columns, q, v; "contact nc", W by columns, q, mu, v: one verdict a line. */
-START_TEST(print_verdicts) {
+TEST_ALONE(print_verdicts) {
   static lcp_case a;
   static model b;
   double v[4];

@@ -545,7 +545,7 @@ TEST(nothing_wrong) {
 
 static int count; /* of the command line */
 
-START_TEST(counted) {
+TEST_ALONE(counted) {
   tally t[2] = {{0}};
   for (int i = 0; i < count; i++) {
     judge_integers(i, &t[0]);

@@ -181,7 +181,7 @@ TEST_EACH(stage_of_auto, 0, 2) {
   tear_down(&s);
 }
 
-START_TEST(without_dissection) { /* and auto goes on */
+TEST_ALONE(without_dissection) { /* and auto goes on */
   const dls_limits limits = {.tol = 1e-8};
   structure s = build("wall-rest", 200, 0.5);
   dls_info info;

@@ -1,6 +1,11 @@
 /* run.c: implements run.h. */
 #include "run.h"
 
+typedef struct test_row {
+  const TTest *test;
+  int first, last;
+} test_row;
+
 enum { most_rows = 100 };
 static test_row rows[most_rows];
 static int count;
@@ -26,12 +31,6 @@ int run_tests(const char *name, void (*setup)(void), void (*teardown)(void)) {
   const int failed = srunner_ntests_failed(runner);
   srunner_free(runner);
   return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
-
-int run_rows(const char *name, const test_row *row, void (*setup)(void), void (*teardown)(void)) {
-  for (; row->test; row++)
-    enlist_test(row->test, row->first, row->last);
-  return run_tests(name, setup, teardown);
 }
 
 int run_alone(const TTest *test, int first, int last) {

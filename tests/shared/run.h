@@ -36,20 +36,12 @@ void enlist_test(const TTest *test, int first, int last);
  * returns. */
 int run_tests(const char *name, void (*setup)(void), void (*teardown)(void));
 
-/* The list by hand, as older programs have it: RUN(name, setup, teardown, ONCE(test), ..). */
-typedef struct test_row {
-  const TTest *test;
-  int first, last;
-} test_row;
-#define ONCE(test)                                                                                 \
-  { test, 0, 1 }
-#define EACH(test, first, last)                                                                    \
-  { test, first, last }
-int run_rows(const char *name, const test_row *row, void (*setup)(void), void (*teardown)(void));
-#define RUN(name, setup, teardown, ...)                                                            \
-  run_rows(name, (const test_row[]){__VA_ARGS__, {NULL, 0, 0}}, setup, teardown)
-
-/* Runs one test alone, which is not on the list: START_TEST(name) { .. }. */
+/* TEST_ALONE(name) { .. } is on no list: main runs it by run_alone(name, first, last). */
+#define TEST_ALONE(name)                                                                           \
+  static void name##_runs(int _i);                                                                 \
+  static const TTest name[] = {{#name, name##_runs, __FILE__, __LINE__}};                          \
+  static void name##_runs(int _i CK_ATTRIBUTE_UNUSED)
+#undef START_TEST /* of Check: no list would hold it */
 int run_alone(const TTest *test, int first, int last);
 
 #endif

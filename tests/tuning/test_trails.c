@@ -373,7 +373,7 @@ TEST(trails_are_no_worse_than_those_of_the_file) {
   ck_assert_msg(all.worse == 0, "%d problems are worse than in the file", all.worse);
 }
 
-START_TEST(print_trails) {
+TEST_ALONE(print_trails) {
   static tally all;
   (void)compare_trails(&all);
   ck_assert_msg(reason || (all.worse == 0 && all.facts == 0),
