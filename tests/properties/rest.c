@@ -225,7 +225,7 @@ void rest_generate(rest_kind of, uint64_t seed, rest *p) {
 typedef long double real;
 
 static const double balanced = 1e-6, of_rows = 1e-4, of_laws = 1e-5, rounding = 1e-14;
-static const double tol = 4e-8;   /* of the solver, over norms of a few entries */
+static const double tol = 4e-8; /* of the solver, over the norm of a few indentations r_k / K_ii */
 static const double unit = 0.125; /* of planted lengths; the least planted force */
 
 /* Rows of f + H r - K x and their sizes; size: of the body of a row, or of a joint. The loads of a
@@ -272,16 +272,14 @@ static rest_verdict judge_balance(const rest *p, const double *x, const double *
   }
   for (int b = 0; b < p->bodies; b++)
     for (int k = 0; k < p->motions[b]; k++) {
-      real sum = 0, most = 0;
+      real sum = 0;
       for (int i = 0; i < p->n; i++) {
         real outer = (real)p->f[i] - p->own[i];
         for (int j = 0; j < 2 * p->nc; j++)
           outer += (real)p->H[i][j] * r[j];
         if (p->body[i] == b) sum += p->motion[k][i] * outer;
-        if (p->body[i] == b) most += fabs(p->motion[k][i]) * load[i];
       }
-      const real share = alone[b] ? of_rows : tol; /* also of a motion that little pushes */
-      if (!(fabsl(sum) <= balanced * fmaxl(most, unit) + share * size[b])) return REST_MOTION;
+      if (!(fabsl(sum) <= (alone[b] ? of_rows : balanced) * size[b])) return REST_MOTION;
     }
   return REST_RIGHT;
 }
