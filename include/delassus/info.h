@@ -125,10 +125,11 @@ typedef struct dls_info {
   dls_certificate certificate; /* of the r that is returned */
   double error;  /* predicted |r - r*| / |r|, to first order and at least that of rounding, if W has
                    up to 60 rows, or if a dense W of up to 300 rows has few large eigenvalues, as
-                   for bodies on soft springs, or on K up to 1,000 unknowns and reactions; INFINITY:
-                   r is not determined, or on the border of two states their matrices differ in
-                   sign; 0: not predicted. The error of elastic bodies is 1 to 100 times the
-                   residual */
+                   for bodies on soft springs, or on K up to 1,000 unknowns and reactions, where the
+                   step that predicts it improves r and x, too: without info they meet tol alone;
+                   INFINITY: r is not determined, or on the border of two states their matrices
+                   differ in sign; 0: not predicted. The error of elastic bodies is 1 to 100 times
+                   the residual */
   int ambiguous; /* nlgs, auto: contacts with several solutions if the others are frozen */
   dls_uniqueness unique; /* auto: of a certified answer */
   int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton
