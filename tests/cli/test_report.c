@@ -169,7 +169,6 @@ static const struct {
      0,
      {"impulse of the wall and its curve within 10 %", "the closed form, 533.333 N s",
       "the curve the worst", "curve over the steps (L2)", "energy drift"}},
-    /* its steps are finer than the loosest tolerance that the scene's own steps bear */
     {"report jean-moving4 --quick --accuracy .001 --of force --cpu 20 --text -o @",
      "jean-moving4.html",
      0,
@@ -194,8 +193,7 @@ TEST_EACH(page_and_text, 0, report_count) {
   expect_page(reports[_i].page);
 }
 
-/* The first sentence and the table give one error of what is asked, also where the even meshes tend
- * to 200,000, with an order that an edge takes from them. */
+/* Sentence and table give one error, also where an edge lowers the order of even meshes. */
 TEST(sentence_and_table_agree) {
   NEEDS_MUMPS;
   double sentence, row;
