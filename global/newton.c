@@ -514,7 +514,7 @@ dls_status dlsi_global_accuracy(dls_global *work, double *predicted, dls_error *
   *predicted = 0;
   if (!work->system || m == 0 || n + m > most_predicted) return DLS_OK;
   double *kept = dlsi_alloc(n + 2 * m, sizeof *kept), moved = 0;
-  dls_status status = kept ? newton_create(&N, work, error) : dlsi_no_memory(error);
+  dls_status status = kept ? newton_create(&N, work, &why) : dlsi_no_memory(error);
   if (!kept) return status;
   double *r = kept + n, *next = work->before;
   if (!status) {

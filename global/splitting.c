@@ -79,11 +79,17 @@ static const double flight = 30;             /* (GL14): |rho z| over |r| */
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* Returns |a - b|, b NULL for 0. Spoils look. */
-static double distance(const dls_global *work, const double *a, const double *b) {
+/* Returns |a - b| on this rank, on all ranks; b NULL for 0. Spoil look. */
+static double distance_here(const dls_global *work, const double *a, const double *b) {
   for (int k = 0; k < work->m; k++)
     work->look[k] = a[k] - (b ? b[k] : 0);
-  return dlsi_joined_norm(work->body.ranks, work->look, (size_t)work->m);
+  return dlsi_norm2(work->look, (size_t)work->m);
+}
+
+static double distance(const dls_global *work, const double *a, const double *b) {
+  double norm = distance_here(work, a, b);
+  dlsi_join(work->body.ranks, DLSI_NORM, &norm, 1);
+  return norm;
 }
 
 /* Sets the states by q = r - rho u; returns 1 if one has changed. */
@@ -378,9 +384,11 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     if (status || proved) return proved ? DLS_NO_SOLUTION : status;
     for (int i = 0; i < m; i++)
       work->p[i] = work->r[i] - work->rho * work->u[i];
-    const double gap = distance(work, work->p, work->q);
-    const double size = distance(work, work->r, NULL);
-    dlsi_global_ask(work, gap / distance(work, work->p, NULL));
+    double norms[] = {distance_here(work, work->p, work->q), distance_here(work, work->r, NULL),
+                      distance_here(work, work->p, NULL)};
+    dlsi_join(work->body.ranks, DLSI_NORM, norms, 3);
+    const double gap = norms[0], size = norms[1];
+    dlsi_global_ask(work, gap / norms[2]);
     const int adapt = k >= s.look && k % measure_every == 0;
     if (k % measure_every == 0 || work->iterations == most || gap <= work->limits->tol * size) {
       int end;

@@ -25,7 +25,7 @@ src/front 2461
 src/motion 1167
 src/fe 4996
 src/cli 14100
-src/mpi 3809
+src/mpi 3862
 src/python 2872
 src/fortran 579
 tests 65405

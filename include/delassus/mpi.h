@@ -182,7 +182,7 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_global_create(dls_mpi_global **out, MPI_
                                                       dls_error *error);
 
 /* Returns sizes and cost. Only the phases order, analyse and factor are set, summed over all
- * factorisations; condensed is 0. Local. */
+ * factorisations, and none on one rank, which solves as global.h does; condensed is 0. Local. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_global_get_info(const dls_mpi_global *global,
                                                         dls_mpi_info *info, dls_error *error);
 

@@ -31,15 +31,16 @@ static void body_multiply(void *data, const double *x, double *y, double *a) {
   memcpy(near, x, rows * sizeof *x);
   dlsi_halo_fetch(&work->halo, near);
   memset(sum, 0, (a ? 2 : 1) * places * sizeof *sum);
-  for (size_t k = 0; k < work->entries; k++) {
-    const int i = work->row[k], j = work->col[k];
-    const double v = work->x[k], part = v * near[j];
-    sum[i] += part;
-    if (a) size[i] += fabs(part);
-    if (!symmetric || i == j) continue;
-    sum[j] += v * near[i];
-    if (a) size[j] += fabs(v * near[i]);
-  }
+  for (size_t i = 0; i < places; i++)
+    for (size_t k = work->p[i]; k < work->p[i + 1]; k++) {
+      const size_t j = (size_t)work->col[k];
+      const double v = work->x[k], part = v * near[j];
+      sum[i] += part;
+      if (a) size[i] += fabs(part);
+      if (!symmetric || i == j) continue;
+      sum[j] += v * near[i];
+      if (a) size[j] += fabs(v * near[i]);
+    }
   dlsi_halo_give(&work->halo, DLSI_SUM, sum);
   memcpy(y, sum, rows * sizeof *y);
   if (!a) return;
@@ -47,40 +48,46 @@ static void body_multiply(void *data, const double *x, double *y, double *a) {
   memcpy(a, size, rows * sizeof *a);
 }
 
-static int body_reads(const dlsi_shares *of, const dls_mpi_model *model, size_t k) {
-  return !of->symmetric || model->row[k] >= model->col[k];
-}
-
-/* Copies K. */
+/* Copies K by rows. */
 static dls_status body_copy(dlsi_mpi_body *work, const dls_mpi_model *model, dls_error *error) {
   const dlsi_shares *of = work->of;
-  size_t at = 0;
-  for (size_t k = 0; k < model->entries; k++)
-    work->entries += (size_t)body_reads(of, model, k);
-  work->row = dlsi_alloc(2 * work->entries, sizeof *work->row);
+  const dlsi_entries all = {model->row, model->col, model->entries, of->symmetric};
+  dls_status status =
+      dlsi_halo_create(&work->halo, &of->grid, of->row_counts, of->row_starts, &all, error);
+  if (status) return status;
+  const size_t places = body_places(work);
+  size_t *p = work->p = calloc(places + 1, sizeof *work->p);
+  for (size_t k = 0; p && k < model->entries; k++) {
+    if (of->symmetric && model->row[k] < model->col[k]) continue;
+    p[dlsi_halo_place(&work->halo, model->row[k])]++;
+    work->entries++;
+  }
+  work->col = dlsi_alloc(work->entries, sizeof *work->col);
   work->x = dlsi_alloc(work->entries, sizeof *work->x);
-  dls_status status = work->row && work->x ? DLS_OK : dlsi_no_memory(error);
+  status = p && work->col && work->x ? DLS_OK : dlsi_no_memory(error);
   status = dlsi_agree(of->grid.all, status, error);
   if (status) return status;
-  work->col = work->row + work->entries;
-  for (size_t k = 0; k < model->entries; k++) {
-    if (!body_reads(of, model, k)) continue;
-    work->row[at] = model->row[k];
-    work->col[at] = model->col[k];
-    work->x[at++] = model->x[k];
+  p[places] = work->entries;
+  for (size_t i = places; i > 0; i--) /* p[i]: the end of row i, then its begin */
+    p[i - 1] = p[i] - p[i - 1];
+  for (size_t i = 0; i < places; i++)
+    p[i] = p[i + 1];
+  for (size_t k = model->entries; k > 0; k--) {
+    const int row = model->row[k - 1], col = model->col[k - 1];
+    if (of->symmetric && row < col) continue;
+    const size_t at = --p[dlsi_halo_place(&work->halo, row)];
+    work->col[at] = dlsi_halo_place(&work->halo, col);
+    work->x[at] = model->x[k - 1];
   }
-  status = dlsi_halo_create(&work->halo, &of->grid, of->row_counts, of->row_starts, work->row,
-                            2 * work->entries, error);
-  for (size_t k = 0; !status && k < 2 * work->entries; k++)
-    work->row[k] = dlsi_halo_place(&work->halo, work->row[k]);
-  return status;
+  return DLS_OK;
 }
 
 void dlsi_mpi_body_entries(const dlsi_mpi_body *work, int *row, int *col) {
-  for (size_t k = 0; k < work->entries; k++) {
-    row[k] = dlsi_halo_number(&work->halo, work->row[k]);
-    col[k] = dlsi_halo_number(&work->halo, work->col[k]);
-  }
+  for (size_t i = 0; i < body_places(work); i++)
+    for (size_t k = work->p[i]; k < work->p[i + 1]; k++) {
+      row[k] = dlsi_halo_number(&work->halo, (int)i);
+      col[k] = dlsi_halo_number(&work->halo, work->col[k]);
+    }
 }
 
 /* (MB2) Sets label to minus the least unknown of the body of each place. group: scratch; both of
@@ -92,9 +99,9 @@ static void body_label(const dlsi_mpi_body *work, int *group, double *label) {
     group[i] = i;
     label[i] = -dlsi_halo_number(&work->halo, i);
   }
-  for (size_t k = 0; k < work->entries; k++)
-    if (work->x[k] != 0 && work->row[k] != work->col[k])
-      dlsi_body_join(group, work->row[k], work->col[k]);
+  for (int i = 0; i < places; i++)
+    for (size_t k = work->p[i]; k < work->p[i + 1]; k++)
+      if (work->x[k] != 0 && i != work->col[k]) dlsi_body_join(group, i, work->col[k]);
   (void)dlsi_body_number(places, group);
   for (double changed = 1; changed > 0;) {
     changed = 0;
@@ -154,12 +161,13 @@ static void body_group(const dlsi_mpi_body *work, int *place, int *group) {
 static size_t body_list(const dlsi_mpi_body *work, const int *place, const int *group,
                         dlsi_triplets *t) {
   size_t count = 0;
-  for (size_t k = 0; k < work->entries; k++) {
-    const int i = place[work->row[k]], j = place[work->col[k]];
-    if (i < 0 || j < 0 || group[i] != group[j]) continue;
-    if (t) dlsi_triplets_add(t, i, j, work->x[k]);
-    count++;
-  }
+  for (size_t row = 0; row < body_places(work); row++)
+    for (size_t k = work->p[row]; k < work->p[row + 1]; k++) {
+      const int i = place[row], j = place[work->col[k]];
+      if (i < 0 || j < 0 || group[i] != group[j]) continue;
+      if (t) dlsi_triplets_add(t, i, j, work->x[k]);
+      count++;
+    }
   return count;
 }
 
@@ -235,7 +243,8 @@ dls_status dlsi_mpi_body_create(dlsi_mpi_body *work, const dlsi_shares *of,
 
 void dlsi_mpi_body_free(dlsi_mpi_body *work) {
   dlsi_halo_free(&work->halo);
-  void *const owned[] = {work->row, work->x, work->part, work->w, work->near, work->scratch};
+  void *const owned[] = {work->p, work->col,  work->x,      work->part,
+                         work->w, work->near, work->scratch};
   for (size_t k = 0; k < sizeof owned / sizeof owned[0]; k++)
     free(owned[k]);
 }

@@ -95,8 +95,8 @@ static dls_status condenser_allocate(dlsi_condenser *work, const dls_mpi_model *
     work->col[at++] = model->col[k];
   }
   if (work->more_here) work->row[at] = work->col[at] = of->first_row; /* no ghost */
-  status = dlsi_halo_create(&work->halo, work->grid, of->row_counts, of->row_starts, work->row,
-                            2 * work->entries, error);
+  const dlsi_entries all = {work->row, work->col, work->entries, 0};
+  status = dlsi_halo_create(&work->halo, work->grid, of->row_counts, of->row_starts, &all, error);
   for (size_t k = 0; k < 2 * work->entries; k++)
     work->row[k]++;
   if (work->more_here) work->row[at] = work->col[at] = work->n;

@@ -7,6 +7,7 @@
  *   (MG3)  callback and clock of rank 0 (solve.c)
  *   (MG4)  a proof that nothing can hold a body: motion.c on rank 0, which takes all of K for it,
  *          unless the host brings a solver; without the memory nothing is proved
+ *   (MG5)  one rank with a factor: the problem of global.h, faster and with all of its steps
  *
  * Norms, sums and maxima go through rank 0, so that all ranks have the same bits and take the same
  * branches (dlsi_ranks of contact.h). Newton steps need a host's preconditioner: their LU is that
@@ -14,6 +15,7 @@
  * Memory of a rank: delassus/mpi.h; on rank 0, for (MG4), also all of K and its factor. Fails: no
  * memory on one rank, an error of the host's solver on one rank.
  */
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +28,7 @@ struct dls_mpi_global {
   dlsi_mpi_system system;
   dls_global_solver host; /* NULL functions: system */
   dls_global *global;
+  int alone; /* 1: one rank, `global` has all */
   dls_factorization factorization;
   double *motion;  /* n, of a proof: on rank 0, NULL before the first */
   int mover;       /* its body; -1: nothing is proved */
@@ -219,6 +222,7 @@ static dls_status global_prove(void *data, int *proved, dls_error *error) {
 }
 
 const double *dls_mpi_global_motion(const dls_mpi_global *global, int *body) {
+  if (global && global->alone) return dls_global_motion(global->global, body);
   if (!global || global->mover < 0) return NULL;
   if (body) *body = global->mover;
   return global->motion;
@@ -248,17 +252,44 @@ static dls_status global_join(dls_mpi_global *work, dls_error *error) {
   return dlsi_agree(work->of.grid.all, status, error);
 }
 
+/* (MG5) */
+static dls_status global_alone(dls_mpi_global *work, const dls_mpi_model *model, dls_error *error) {
+  dlsi_columns K = {0}, N = {0}, T = {0};
+  dlsi_triplets H = {0};
+  const int n = work->of.n;
+  const dlsi_triplets entries = {n,
+                                 n,
+                                 (int)model->entries,
+                                 (int *)model->row, /* these are only read */
+                                 (int *)model->col,
+                                 (double *)model->x};
+  dls_status status = dlsi_columns_compress(&entries, 1, DLSI_ALL, &K, error);
+  if (!status) status = dlsi_shares_join(&work->of, &work->of.mine, &H, error);
+  if (!status) status = global_split(&H, work->of.d, &N, &T, error);
+  if (!status) {
+    dls_model whole = global_model(work, &N, &T);
+    whole.Ks = dlsi_columns_view(&K);
+    status = dls_global_create(&work->global, &whole, error);
+  }
+  dlsi_columns_free(&K);
+  dlsi_columns_free(&N);
+  dlsi_columns_free(&T);
+  return status;
+}
+
 static dls_status global_build(dls_mpi_global *work, MPI_Comm comm, const dls_mpi_model *model,
                                dls_error *error) {
   work->factorization = model->factorization;
   work->mover = -1;
   dls_status status = dlsi_shares_create(&work->of, comm, model, error);
-  if (!status) status = dlsi_mpi_body_create(&work->body, &work->of, model, error);
+  const int alone = work->alone =
+      work->of.grid.ranks == 1 && !work->host.solve && model->entries <= INT_MAX;
+  if (!status && !alone) status = dlsi_mpi_body_create(&work->body, &work->of, model, error);
   dlsi_shares_shrink(&work->of);
-  if (!status && !work->host.solve)
+  if (!status && !alone && !work->host.solve)
     status = dlsi_mpi_system_create(&work->system, &work->body, model->factorization, &work->info,
                                     error);
-  if (!status) status = global_join(work, error);
+  if (!status) status = alone ? global_alone(work, model, error) : global_join(work, error);
   work->info.ranks = work->of.grid.ranks;
   work->info.rank = work->of.grid.rank;
   work->info.grid[0] = work->of.grid.rows;

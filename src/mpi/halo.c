@@ -22,10 +22,10 @@ static int unique_compare(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-int dlsi_unique(int *x, int count) {
-  int kept = 0;
-  if (count) qsort(x, (size_t)count, sizeof *x, unique_compare);
-  for (int k = 0; k < count; k++)
+size_t dlsi_unique(int *x, size_t count) {
+  size_t kept = 0;
+  if (count) qsort(x, count, sizeof *x, unique_compare);
+  for (size_t k = 0; k < count; k++)
     if (kept == 0 || x[k] != x[kept - 1]) x[kept++] = x[k];
   return kept;
 }
@@ -44,22 +44,27 @@ int dlsi_find(const int *x, int count, int value) {
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
-/* Returns how many of `index` other ranks own; lists them, unless list is NULL. */
-static int halo_others(const dlsi_halo *h, const int *index, size_t count, int *list) {
-  int found = 0;
-  for (size_t k = 0; k < count; k++) {
-    if (index[k] >= h->first && index[k] < h->first + h->rows) continue;
-    if (list) list[found] = index[k];
-    found++;
+/* Returns how many rows and columns of entries other ranks own; lists them, unless list is NULL. */
+static size_t halo_others(const dlsi_halo *h, const dlsi_entries *of, int *list) {
+  const int *const both[] = {of->row, of->col};
+  size_t found = 0;
+  for (size_t k = 0; k < of->count; k++) {
+    if (of->lower && of->row[k] < of->col[k]) continue;
+    for (int i = 0; i < (of->col ? 2 : 1); i++) {
+      const int number = both[i][k];
+      if (number >= h->first && number < h->first + h->rows) continue;
+      if (list) list[found] = number;
+      found++;
+    }
   }
   return found;
 }
 
 /* Lists the ghosts. */
-static dls_status halo_list(dlsi_halo *h, const int *index, size_t count, dls_error *error) {
-  int *list = dlsi_alloc((size_t)halo_others(h, index, count, NULL), sizeof *list);
+static dls_status halo_list(dlsi_halo *h, const dlsi_entries *of, dls_error *error) {
+  int *list = dlsi_alloc(halo_others(h, of, NULL), sizeof *list);
   if (!list) return dlsi_no_memory(error);
-  h->ghosts = dlsi_unique(list, halo_others(h, index, count, list));
+  h->ghosts = (int)dlsi_unique(list, halo_others(h, of, list));
   h->ghost = dlsi_alloc((size_t)h->ghosts, sizeof *h->ghost);
   if (h->ghost) memcpy(h->ghost, list, (size_t)h->ghosts * sizeof *list);
   free(list);
@@ -106,10 +111,10 @@ static dls_status halo_meet(dlsi_halo *h, const int *counts, const int *starts, 
 }
 
 dls_status dlsi_halo_create(dlsi_halo *h, const dlsi_grid *grid, const int *counts,
-                            const int *starts, const int *index, size_t count, dls_error *error) {
+                            const int *starts, const dlsi_entries *of, dls_error *error) {
   *h = (dlsi_halo){.grid = grid, .rows = counts[grid->rank], .first = starts[grid->rank]};
   int *all = dlsi_alloc((size_t)grid->ranks, 3 * sizeof *all);
-  dls_status status = halo_list(h, index, count, error);
+  dls_status status = halo_list(h, of, error);
   if (!status && !all) status = dlsi_no_memory(error);
   status = dlsi_agree(grid->all, status, error);
   if (!status) status = halo_meet(h, counts, starts, all, error);

@@ -82,10 +82,17 @@ typedef struct dlsi_halo {
   double *x;                            /* sent: scratch */
 } dlsi_halo;
 
-/* Makes ghosts of those of `index` that this rank does not own. counts, starts: rows of all ranks;
+/* Numbers of rows, and of columns that are the same unknowns; lower: 1: only row >= col counts. */
+typedef struct dlsi_entries {
+  const int *row, *col; /* col: or NULL */
+  size_t count;
+  int lower;
+} dlsi_entries;
+
+/* Makes ghosts of those numbers that this rank does not own. counts, starts: rows of all ranks;
  * grid: borrowed. The caller calls dlsi_halo_free, also after an error. Collective. */
 dls_status dlsi_halo_create(dlsi_halo *h, const dlsi_grid *grid, const int *counts,
-                            const int *starts, const int *index, size_t count, dls_error *error);
+                            const int *starts, const dlsi_entries *of, dls_error *error);
 void dlsi_halo_free(dlsi_halo *h);
 
 /* Returns where a row or ghost stands; the number of a row or ghost. */
@@ -99,7 +106,7 @@ void dlsi_halo_fetch(const dlsi_halo *h, double *x);
 void dlsi_halo_give(const dlsi_halo *h, dlsi_how how, double *x);
 
 /* Sorts x and removes what stands there twice; returns how many are left. */
-int dlsi_unique(int *x, int count);
+size_t dlsi_unique(int *x, size_t count);
 
 /* Returns the place of `value` in the ascending x; -1: not there. */
 int dlsi_find(const int *x, int count, int value);
@@ -155,9 +162,9 @@ void dlsi_shares_signs(const dlsi_shares *work, const double *scale, double *b);
 
 typedef struct dlsi_mpi_body {
   const dlsi_shares *of;
-  size_t entries; /* of K on this rank; of a symmetric K those on and below the diagonal */
-  dlsi_halo halo; /* unknowns: rows of this rank, others that these entries touch */
-  int *row, *col; /* places in it */
+  dlsi_halo halo;     /* unknowns: rows of this rank, others that its entries of K touch */
+  size_t entries, *p; /* of a symmetric K those on and below the diagonal; rows + ghosts + 1 .. */
+  int *col;           /* .. where the entries of each row begin; places */
   double *x;
   dlsi_body body; /* of the rows and nodes of this rank; its functions are collective */
   int *part;      /* rows */

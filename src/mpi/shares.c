@@ -152,7 +152,7 @@ static dls_status shares_compress(dlsi_shares *work, dlsi_triplets *t, dls_error
   work->keep = dlsi_alloc((size_t)t->count, sizeof *work->keep);
   if (!work->keep) return dlsi_no_memory(error);
   memcpy(work->keep, t->row, (size_t)t->count * sizeof *t->row);
-  t->rows = work->count = dlsi_unique(work->keep, t->count);
+  t->rows = work->count = (int)dlsi_unique(work->keep, (size_t)t->count);
   for (int k = 0; k < t->count; k++)
     t->row[k] = dlsi_find(work->keep, work->count, t->row[k]);
   const dls_status status = dlsi_columns_compress(t, 1, DLSI_ALL, &work->H, error);
@@ -179,7 +179,7 @@ static dls_status shares_take_rows(dlsi_shares *work, const dlsi_triplets *all, 
   }
   if (!status)
     status = dlsi_halo_create(&work->touched, &work->grid, work->node_counts, work->node_starts,
-                              index, count, error);
+                              &(dlsi_entries){index, NULL, count, 0}, error);
   if (!status) {
     t.rows = work->touched.rows + work->touched.ghosts;
     for (int k = 0; k < t.count; k++)

@@ -50,8 +50,9 @@ static void system_diagonal(dlsi_mpi_system *work) {
   const int rows = K->of->rows;
   double *sum = K->near;
   memset(sum, 0, (size_t)(rows + K->halo.ghosts) * sizeof *sum);
-  for (size_t k = 0; k < K->entries; k++)
-    if (K->row[k] == K->col[k]) sum[K->row[k]] += K->x[k];
+  for (int i = 0; i < rows + K->halo.ghosts; i++)
+    for (size_t k = K->p[i]; k < K->p[i + 1]; k++)
+      if (K->col[k] == i) sum[i] += K->x[k];
   dlsi_halo_give(&K->halo, DLSI_SUM, sum);
   double most = dlsi_max_abs(sum, (size_t)rows);
   dlsi_grid_join(&K->of->grid, DLSI_MOST, &most, 1);
