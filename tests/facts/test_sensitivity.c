@@ -235,6 +235,27 @@ TEST(one_sided_in_three_rows) {
   ck_assert_msg(kept[0] > 5 && kept[1] == 20, "%d and %d", kept[0], kept[1]);
 }
 
+/* (SN6) (tr S)^2 / |S|^2 of k equal eigenvalues and no others is k: of W = I + s 1 1^T, in either
+ * storage, m (1 + s)^2 / (1 + 2 s + m s^2). */
+TEST(few_large_eigenvalues) {
+  enum { nc = 100, m = 2 * nc };
+  static double W[m * m], x[m * m], q[m], mu[nc], w[2 * nc];
+  static int start[nc + 1], row[nc * nc];
+  for (int k = 0; k < 5; k++) {
+    const double s = (double[]){0, .1, .5, 2, 10}[k];
+    const double directions = m * (1 + s) * (1 + s) / (1 + 2 * s + m * s * s);
+    for (int e = 0; e < m * m; e++)
+      W[e] = s + (e % (m + 1) == 0);
+    dls_contact p = {.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+    const dls_info info = {.iterations = 1};
+    dlsi_certificate_weights(&p, w);
+    ck_assert_int_eq(dlsi_may_hide_error(&p, w, &info), directions < 12.5);
+    ck_assert_int_eq(dls_blocks_from_dense(&p.W, 2, start, row, x, &p.Wb, NULL), DLS_OK);
+    p.W = (dls_dense){0};
+    ck_assert_int_eq(dlsi_may_hide_error(&p, w, &info), directions < 12.5);
+  }
+}
+
 /* A contact alone that W does not determine: any r with r_n + r_t = 1. Each method says so, auto
  * too, which solves it without a workspace. Nor is r determined where contact 0 touches without a
  * reaction: another solution is 111 % away, W has the condition 110. */

@@ -1337,6 +1337,7 @@ TEST(write_arguments) {
   some.active = active;
   REFUSES(UNSUPPORTED, "active", -1, dls_fclib_write_global, path, &some, f3, g6, mu3, "", x3, r6,
           u6);
+  ck_assert(last_refusal.value == 0);
 
   static const struct {
     const char *argument;

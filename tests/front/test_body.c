@@ -218,12 +218,13 @@ static dls_on place_of(const dls_reduction *reduction) {
 static dls_reduction *either(const dls_model *model, dls_on on, double limit) {
   dls_reduction_settings settings;
   dls_reduction *reduction;
-  dls_error e;
+  dls_error e = {.message = "", .index = 7};
   dls_reduction_settings_init(&settings);
   settings.on = on;
   settings.memory_limit = limit;
   const dls_status status = dls_reduction_create(&reduction, model, &settings, &e);
   ck_assert_msg(status == DLS_OK, "%s", e.message);
+  ck_assert_int_eq(e.index, 7); /* left alone */
   return reduction;
 }
 

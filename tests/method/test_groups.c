@@ -38,14 +38,13 @@ static int are_coupled(const dls_contact *p, int a, int b) {
   return 0;
 }
 
-/* Each candidate stands in one lane, and the eight of a group share nothing. */
-TEST_EACH(groups_share_nothing, 0, 8) {
-  const dls_contact *p = groups_make(_i, 1200);
+/* Each candidate stands in one lane, and the eight of a group share nothing. Returns the number of
+ * groups. */
+static int check_groups(const dls_contact *p) {
   dlsi_groups g = {.count = 0};
   int *seen = calloc((size_t)p->nc, sizeof *seen);
   ck_assert_ptr_nonnull(seen);
   ck_assert_int_eq(dlsi_groups_set(&g, p, (dlsi_set){.count = p->nc}, NULL, NULL), DLS_OK);
-  ck_assert_int_lt(g.count, p->nc / 6);
   for (int k = 0; k < 8 * g.count; k++) {
     if (g.member[k] < 0) continue;
     ck_assert_int_eq(seen[g.member[k]]++, 0);
@@ -55,8 +54,30 @@ TEST_EACH(groups_share_nothing, 0, 8) {
   for (int c = 0; c < p->nc; c++)
     ck_assert_int_eq(seen[c], 1);
   free(seen);
+  const int count = g.count;
   dlsi_groups_free(&g);
+  return count;
+}
+
+TEST_EACH(groups_share_nothing, 0, 8) {
+  const dls_contact *p = groups_make(_i, 1200);
+  ck_assert_int_lt(check_groups(p), p->nc / 6);
   rigid_free(&made);
+}
+
+/* Long rows: sets of 40 candidates, each coupled with all of its set. */
+TEST(long_rows) {
+  enum { sets = 16, side = 40, nc = sets * side };
+  static double x[nc * side], q[nc], mu[nc];
+  static int p[nc + 1], i[nc * side];
+  for (int e = 0; e < nc * side; e++) {
+    const int c = e / side;
+    p[c + 1] = e + 1;
+    i[e] = c / side * side + e % side;
+    x[e] = i[e] == c ? 2 : .01;
+  }
+  const dls_contact problem = {.d = 1, .nc = nc, .q = q, .mu = mu, .Wb = {1, nc, p, i, x}};
+  ck_assert_int_ge(check_groups(&problem), side);
 }
 
 /* Registers of 1, 2, 4 and 8 lanes give the same bits of r, v and u. */
