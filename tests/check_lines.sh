@@ -28,7 +28,7 @@ src/cli 14100
 src/mpi 3862
 src/python 2872
 src/fortran 579
-tests 65405
+tests 65438
 bench 13874
 examples 2799
 END
