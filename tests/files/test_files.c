@@ -1425,7 +1425,6 @@ TEST(fclib_malloc_fails) {
 #else
 
 TEST(without_hdf5) {
-  dls_error error = {0};
   dls_fclib *file = (dls_fclib *)&file;
   const double *v = NULL;
   REFUSES(FILE, "path", -1, dls_fclib_read, &file, path);
