@@ -184,7 +184,7 @@ static dls_status matrices_create_on(matrices *to, const dls_model *model, const
   if (!status) status = dlsi_operator_create(&to->operator, model, 0, error);
   if (!status) status = dlsi_operator_columns(&to->operator, model->d, DLSI_ALL, &to->H, error);
   const size_t nc = (size_t)to->operator.candidates;
-  to->w = dlsi_alloc(2 * nc + (size_t)model->n, sizeof *to->w);
+  to->w = dlsi_alloc(2 * nc, sizeof *to->w);
   to->root = dlsi_alloc((size_t)model->d * nc, sizeof *to->root);
   to->part = dlsi_alloc(n, sizeof *to->part);
   if (!status && (!to->w || !to->root || !to->part)) status = dlsi_no_memory(error);

@@ -36,7 +36,8 @@ struct dls_global {
   dlsi_operator operator; /* H^T as it is, P, mu of the model */
   dlsi_columns H;         /* n x m, round */
   dlsi_body body;
-  double *w, *root;         /* 2 nc, then shares, n; m: D^1/2; with ranks of their reach */
+  double *w, *root;         /* 2 nc, then shares, n, of a K that is here; m: D^1/2; with
+                               ranks of their reach */
   int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in place of system, if it has functions */

@@ -79,17 +79,16 @@ static const double flight = 30;             /* (GL14): |rho z| over |r| */
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* Returns |a - b| on this rank, on all ranks; b NULL for 0. Spoil look. */
-static double distance_here(const dls_global *work, const double *a, const double *b) {
+/* Returns |a - b| on this rank. Spoils look. */
+static double distance(const dls_global *work, const double *a, const double *b) {
   for (int k = 0; k < work->m; k++)
-    work->look[k] = a[k] - (b ? b[k] : 0);
+    work->look[k] = a[k] - b[k];
   return dlsi_norm2(work->look, (size_t)work->m);
 }
 
-static double distance(const dls_global *work, const double *a, const double *b) {
-  double norm = distance_here(work, a, b);
-  dlsi_join(work->body.ranks, DLSI_NORM, &norm, 1);
-  return norm;
+/* Returns |a| of all ranks, a of m. */
+static double norm_of_all(const dls_global *work, const double *a) {
+  return dlsi_joined_norm(work->body.ranks, a, (size_t)work->m);
 }
 
 /* Sets the states by q = r - rho u; returns 1 if one has changed. */
@@ -140,7 +139,7 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
     if (turn != 1) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
   }
   if (work->is_split && gain > 0.5) { /* a body that flies */
-    const double force = distance(work, work->r, NULL), slip = distance(work, work->z, NULL);
+    const double force = norm_of_all(work, work->r), slip = norm_of_all(work, work->z);
     if (force > 0 && slip > flight * force) turn = force / slip;
   }
   return fmin(fmax(work->rho * turn, work->is_split ? least_rho_split : least_rho), most_rho);
@@ -150,7 +149,7 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
 static double split_first_rho(const dls_global *work) {
   const double force = sqrt(dlsi_global_compliance(work)) *
                        dlsi_joined_norm(work->body.ranks, work->f, (size_t)work->n);
-  const double gap = distance(work, work->g, NULL);
+  const double gap = norm_of_all(work, work->g);
   if (!work->is_split || !(gap > 0 && force > 0)) return first_rho;
   return fmin(first_rho, fmax(least_rho_split, force / gap));
 }
@@ -375,7 +374,8 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     dlsi_put_on_discs(work->d, work->nc, work->bend, work->q, work->r); /* (GL1) */
     for (int i = 0; i < m; i++)
       work->before[i] = work->r[i] - work->q[i];
-    const double change = distance(work, work->before, work->z);
+    double change = distance(work, work->before, work->z);
+    dlsi_join(work->body.ranks, DLSI_NORM, &change, 1);
     memcpy(work->z, work->before, (size_t)m * sizeof *work->z);
     status = dlsi_global_step(work, work->r, work->q, work->g, error); /* (GL2), (GL3) */
     if (status) break;
@@ -384,8 +384,8 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     if (status || proved) return proved ? DLS_NO_SOLUTION : status;
     for (int i = 0; i < m; i++)
       work->p[i] = work->r[i] - work->rho * work->u[i];
-    double norms[] = {distance_here(work, work->p, work->q), distance_here(work, work->r, NULL),
-                      distance_here(work, work->p, NULL)};
+    double norms[] = {distance(work, work->p, work->q), dlsi_norm2(work->r, (size_t)m),
+                      dlsi_norm2(work->p, (size_t)m)};
     dlsi_join(work->body.ranks, DLSI_NORM, norms, 3);
     const double gap = norms[0], size = norms[1];
     dlsi_global_ask(work, gap / norms[2]);

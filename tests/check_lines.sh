@@ -10,8 +10,8 @@ while read -r room budget; do
   bad=1
 done <<END
 include 4922
-src/base 1312
-src/contact 3729
+src/base 1327
+src/contact 3736
 src/linear 4143
 src/geometry 1194
 lcp 3448
@@ -25,10 +25,10 @@ src/front 2461
 src/motion 1167
 src/fe 4996
 src/cli 14100
-src/mpi 3862
+src/mpi 3847
 src/python 2872
 src/fortran 579
-tests 65438
+tests 65417
 bench 13874
 examples 2799
 END

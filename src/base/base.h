@@ -339,6 +339,9 @@ void *dlsi_alloc(size_t count, size_t size);
 /* Returns |x|_2 without overflow or underflow in between; NaN stays NaN. */
 double dlsi_norm2(const double *x, size_t n);
 
+/* Returns the place of `value` in the ascending x; -1: not there. */
+int dlsi_find(const int *x, int count, int value);
+
 /* Mixes the bits of x (the finalizer of splitmix64: Steele, Lea and Flood, OOPSLA 2014). Steps of
  * DLSI_GOLDEN_BITS, the golden ratio times 2^64, make a sequence of unlike x. */
 #define DLSI_GOLDEN_BITS 0x9e3779b97f4a7c15u

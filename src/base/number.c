@@ -1,5 +1,5 @@
-/* number.c: computes norms that keep NaN, finds values that are not finite, reads whole
- * numbers, and draws numbers. */
+/* number.c: computes norms that keep NaN, finds a value and numbers that are not finite, reads
+ * whole numbers, and draws numbers. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -73,6 +73,18 @@ int dlsi_read_whole(const char **text, int least, int most, int *value) {
   *value = (int)v;
   *text = at;
   return 1;
+}
+
+int dlsi_find(const int *x, int count, int value) {
+  int low = 0, high = count;
+  while (low < high) {
+    const int middle = low + (high - low) / 2;
+    if (x[middle] < value)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < count && x[low] == value ? low : -1;
 }
 
 uint64_t dlsi_mix(uint64_t x) {

@@ -294,8 +294,16 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
   const int has_K = body->model || body->multiply;
   if (has_K) dlsi_forces_sum(body, f, r, x, &of.forces);
   measure_scale(body, g, r, u, has_K, &of);
-  dlsi_laws laws = {body->d, body->nc, mu,   r,    u, body->w,    of.ut,
-                    NULL,    of.scale, of.F, NULL, 0, body->ranks};
+  dlsi_laws laws = {.d = body->d,
+                    .nc = body->nc,
+                    .mu = mu,
+                    .r = r,
+                    .u = u,
+                    .w = body->w,
+                    .a = of.ut,
+                    .scale = of.scale,
+                    .F = of.F,
+                    .ranks = body->ranks};
   if (has_K) {
     measure_hidden(body, &of);
     laws.hidden = of.hidden;

@@ -429,12 +429,16 @@ void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, dou
 
 /* Joins what the ranks have measured. */
 static void laws_join(const dlsi_laws *of, measured_sums *s, dls_certificate *c) {
-  double *const most[] = {&c->penetration, &c->adhesion, &c->cone_violation, &c->slip_direction,
-                          &c->complementarity};
+  double most[] = {c->penetration, c->adhesion, c->cone_violation, c->slip_direction,
+                   c->complementarity};
   const size_t d = (size_t)of->d;
   dlsi_join(of->ranks, DLSI_SUM, &s->F, sizeof *s / sizeof s->F);
-  for (size_t k = 0; k < sizeof most / sizeof most[0]; k++)
-    dlsi_join(of->ranks, DLSI_MOST, most[k], 1);
+  dlsi_join(of->ranks, DLSI_MOST, most, sizeof most / sizeof most[0]);
+  c->penetration = most[0];
+  c->adhesion = most[1];
+  c->cone_violation = most[2];
+  c->slip_direction = most[3];
+  c->complementarity = most[4];
   if (!dlsi_is_plain(s->F)) c->worst = find_worst(of);
   double mine = of->nc ? dlsi_norm2(of->F + d * (size_t)c->worst, d) : -1, worst = mine;
   dlsi_join(of->ranks, DLSI_MOST, &worst, 1);
@@ -473,8 +477,16 @@ void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
-  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r,    u, w,   a,
-                        problem->q, problem->q,  F,           NULL, 0, NULL};
+  const dlsi_laws of = {.d = problem->d,
+                        .nc = problem->nc,
+                        .mu = problem->mu,
+                        .r = r,
+                        .u = u,
+                        .w = w,
+                        .a = a,
+                        .b = problem->q,
+                        .scale = problem->q,
+                        .F = F};
   dlsi_laws_measure(&of, certificate);
 }
 

@@ -80,8 +80,8 @@ static void forces_couple(const dlsi_body *body, const double *x, const dlsi_for
 }
 
 /* Hr -= |G||l|, 0 in rows of joints. */
-static void couple_none(const dlsi_body *body, const double *x, const dlsi_forces *of, int i, int j,
-                        double v) {
+static void couple_off(const dlsi_body *body, const double *x, const dlsi_forces *of, int i, int j,
+                       double v) {
   of->Hr[i] = body->joint[i] ? 0 : body->joint[j] ? of->Hr[i] - fabs(v * x[j]) : of->Hr[i];
 }
 
@@ -97,7 +97,7 @@ void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, co
     of->ae[j] += f ? fabs(f[j]) : 0;
     of->Hr[j] = of->ae[j];
   }
-  if (body->joint) forces_couple(body, x, of, couple_none);
+  if (body->joint) forces_couple(body, x, of, couple_off);
   *of->most = dlsi_joined_norm(body->ranks, of->Hr, (size_t)body->n);
   r = dlsi_body_fetch(body, r);
   for (int j = 0; j < body->n; j++) {

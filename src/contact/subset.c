@@ -41,19 +41,6 @@ static double *subset_dense(const dls_contact *problem, int count, const int *ca
   return W;
 }
 
-/* Returns the place of c in the list, which ascends, or -1. */
-static int subset_place(int count, const int *candidate, int c) {
-  int low = 0, high = count;
-  while (low < high) {
-    const int middle = low + (high - low) / 2;
-    if (candidate[middle] < c)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < count && candidate[low] == c ? low : -1;
-}
-
 /* Copies the blocks of W(s, s), in the order of W, and returns the end of the values. index: count
  * + 1 starts, then the block rows. */
 static double *subset_blocks(const dls_contact *problem, int count, const int *candidate, double *x,
@@ -65,7 +52,7 @@ static double *subset_blocks(const dls_contact *problem, int count, const int *c
   for (int b = 0; b < count; b++) {
     index[b] = blocks;
     for (int k = all->p[candidate[b]]; k < all->p[candidate[b] + 1]; k++) {
-      const int place = subset_place(count, candidate, all->i[k]);
+      const int place = dlsi_find(candidate, count, all->i[k]);
       if (place < 0) continue;
       row[blocks++] = place;
       memcpy(x, all->x + entries * (size_t)k, entries * sizeof *x);

@@ -30,18 +30,6 @@ size_t dlsi_unique(int *x, size_t count) {
   return kept;
 }
 
-int dlsi_find(const int *x, int count, int value) {
-  int lo = 0, hi = count;
-  while (lo < hi) {
-    const int mid = lo + (hi - lo) / 2;
-    if (x[mid] < value)
-      lo = mid + 1;
-    else
-      hi = mid;
-  }
-  return lo < count && x[lo] == value ? lo : -1;
-}
-
 /* ---- create ---------------------------------------------------------------------------------- */
 
 /* Returns how many rows and columns of entries other ranks own; lists them, unless list is NULL. */

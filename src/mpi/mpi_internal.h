@@ -108,9 +108,6 @@ void dlsi_halo_give(const dlsi_halo *h, dlsi_how how, double *x);
 /* Sorts x and removes what stands there twice; returns how many are left. */
 size_t dlsi_unique(int *x, size_t count);
 
-/* Returns the place of `value` in the ascending x; -1: not there. */
-int dlsi_find(const int *x, int count, int value);
-
 /* ---- shares.c: the model as the ranks have it ------------------------------------------------ */
 
 typedef struct dlsi_shares {

@@ -13,19 +13,23 @@ static const double rows[16] = {4, 1, 0, 0, 1, 4, 0, 0, 0, 0, 100, 0, 0, 0, 0, 2
 static int part[4];
 static double w[4], work[200];
 
+/* The body of S with `nc` contacts, H^T of columns p, rows i and entries 1, weights v. */
+static dlsi_body body_with(int nc, const int *p, const int *i, const double *v) {
+  return (dlsi_body){.n = S.model.n,
+                     .model = &S.model,
+                     .Ht = {2 * nc, S.model.n, p, i, Hx},
+                     .d = 2,
+                     .nc = nc,
+                     .w = v,
+                     .part = part,
+                     .parts = dlsi_body_parts(&S.model, part)};
+}
+
 static dlsi_body body_of(dls_factorization factorization, int is_sparse) {
   const dls_sparse H = {4, 4, Hp, Hi, Hx};
   stiffness_fill(&S, 4, rows, factorization, is_sparse);
-  const int parts = dlsi_body_parts(&S.model, part);
   ck_assert(!dlsi_body_weights(&S.model, &H, 2, w, NULL));
-  const dlsi_body body = {.n = S.model.n,
-                          .model = &S.model,
-                          .Ht = {4, 4, Hp, Hi, Hx},
-                          .d = 2,
-                          .nc = 2,
-                          .w = w,
-                          .part = part,
-                          .parts = parts};
+  const dlsi_body body = body_with(2, Hp, Hi, w);
   ck_assert_uint_le(dlsi_body_scratch(&body), 200);
   return body;
 }
@@ -140,17 +144,7 @@ TEST(wrong_pairs) {
 /* A rigid motion of 1e8 without force: x rounds, and the floors say so. */
 TEST(rounding) {
   stiffness_fill(&S, 2, (const double[]){1, -1, -1, 1}, DLS_CHOLESKY, 1);
-  const int p[] = {0, 1, 1};
-  int whole[2];
-  const double v[2] = {1, 1};
-  const dlsi_body body = {.n = S.model.n,
-                          .model = &S.model,
-                          .Ht = {2, 2, p, Hp, Hx},
-                          .d = 2,
-                          .nc = 1,
-                          .w = v,
-                          .part = whole,
-                          .parts = dlsi_body_parts(&S.model, whole)};
+  const dlsi_body body = body_with(1, (const int[]){0, 1, 1}, Hp, (const double[]){1, 1});
   const double f[] = {-1, 0}, x[] = {1e8, 1e8}, g[] = {-1e8, 0}, r[] = {1, 0}, mu[] = {0};
   double u[2];
   dls_certificate c;
@@ -173,20 +167,12 @@ TEST_EACH(penalties_hide_little, 0, 2) {
   const int on_penalty = _i, p[2][4] = {{0, 1, 2, 2}, {0, 0, 1, 2}}, at[2][2] = {{1, 0}, {0, 1}};
   const double mu[] = {.25}, v[] = {.25, on_penalty ? 1e-18 : .25};
   double share[3], r[2] = {1, 0}, x[3] = {0, 0, 1}, f[3], u[2];
-  int whole[3];
   dls_certificate c;
   stiffness_fill(&S, 3, held, DLS_CHOLESKY, 1);
   dlsi_body_shares(&S.model, share);
   ck_assert(share[0] == .5 && share[1] == .25 && share[2] == 1e-18);
-  const dlsi_body body = {.n = 3,
-                          .model = &S.model,
-                          .Ht = {2, 3, p[on_penalty], at[on_penalty], Hx},
-                          .d = 2,
-                          .nc = 1,
-                          .w = v,
-                          .share = share,
-                          .part = whole,
-                          .parts = dlsi_body_parts(&S.model, whole)};
+  dlsi_body body = body_with(1, p[on_penalty], at[on_penalty], v);
+  body.share = share;
   for (int wrong = 0; wrong < 3; wrong++) {
     r[1] = wrong == 1 ? .9 : 0;  /* outside the cone */
     x[1] = wrong == 2 ? -.5 : 0; /* below the ground */
@@ -206,22 +192,15 @@ TEST(joints_show_rounding) {
   const double K[9] = {1, 0, 0, 0, 1, 1e8, 0, 1e8, 0}, mu[] = {.25}, v[] = {1, 1};
   const double x[] = {0, 0, 1e8}, r[] = {4, 0}, f[] = {0, 1e16 - 4, 0};
   const int p[] = {0, 1, 2, 2}, of_unknown[] = {1, 0};
-  int whole[3], piece[3];
+  int piece[3];
   const int joint[] = {0, 0, 1};
   double u[2];
   dls_certificate c;
   stiffness_fill(&S, 3, K, DLS_LDLT, 1);
-  const dlsi_body body = {.n = 3,
-                          .model = &S.model,
-                          .Ht = {2, 3, p, of_unknown, Hx},
-                          .d = 2,
-                          .nc = 1,
-                          .w = v,
-                          .part = whole,
-                          .joint = joint,
-                          .piece = piece,
-                          .parts = dlsi_body_parts(&S.model, whole),
-                          .pieces = dlsi_body_pieces(&S.model, joint, piece)};
+  dlsi_body body = body_with(1, p, of_unknown, v);
+  body.joint = joint;
+  body.piece = piece;
+  body.pieces = dlsi_body_pieces(&S.model, joint, piece);
   ck_assert_uint_le(dlsi_body_scratch(&body), 200);
   dlsi_body_measure(&body, f, NULL, mu, r, x, u, work, &c);
   ck_assert(c.residual == 0 && c.floor_r > .1 && c.floor_e < 1e-15);
