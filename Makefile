@@ -101,7 +101,7 @@ WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FILES_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(wildcard src/files/*.c))
 FE_SRC := $(wildcard src/fe/*.c)
-CLI_SRC := $(wildcard src/cli/*.c)
+CLI_SRC := $(wildcard $(patsubst %,src/%/*.c,console problem charts report cli))
 # the rooms of tests that check-build builds; all of them
 ROOMS ?= *
 TEST_SRC := $(filter-out tests/mpi/%,$(wildcard $(ROOMS:%=tests/%/test_*.c)))
@@ -322,7 +322,7 @@ TEST_SMALL ?= 0
 $(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0) -DTEST_SMALL=$(TEST_SMALL)
 # a test of the program runs the program of this tree
 $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/cli/test_*.c)): | $(PROGRAM)
-$(BUILD)/tests/cli/test_budget: $(call obj,src/cli/report_budget.c)
+$(BUILD)/tests/cli/test_budget: $(call obj,src/report/report_budget.c)
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
@@ -566,7 +566,7 @@ $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/inclu
 
 # what a benchmark links besides its own files and the scenes
 bench_of = $(sort $(if $(filter problems,$(1)),$(call obj,bench/problems.c bench/common.c),$(call bench_obj,$(1))) $(bench_scenes)) $(2) $(FE) $(FILES) $(A)
-$(BUILD)/bench/solvers: $(call bench_of,solvers,$(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c messages.c)))
+$(BUILD)/bench/solvers: $(call bench_of,solvers,$(call obj,$(addprefix src/,charts/profile_picture.c $(addprefix console/,palette.c picture.c quote.c messages.c))))
 $(BUILD)/bench/scale $(BUILD)/bench/regret: $(call obj,bench/solvers_peer.c)
 $(BUILD)/bench/auto: $(call bench_of,auto,$(FUZZ_CLI))
 $(BUILD)/bench/papers: $(call bench_of,papers,$(call obj,bench/lemke_problems.c))

@@ -23,8 +23,8 @@
 #include <string.h>
 
 #include "auto_price.h"
-#include "cli/matrices.h"
 #include "common.h"
+#include "problem/matrices.h"
 #include "regret_kinds.h"
 
 enum { methods = 6, auto_at = 5, tolerances = 3, most_files = 100, most_sweeps = 20000 };

@@ -23,8 +23,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/report.h"
 #include "common.h"
+#include "report/report.h"
 
 enum { ACCURACIES = 3, GRID_LOW = -12, GRID_HIGH = 9, GRID = GRID_HIGH - GRID_LOW + 1 };
 static const double accuracies[ACCURACIES] = {1e-1, 1e-2, 1e-3};

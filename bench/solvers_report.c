@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/profile.h"
+#include "charts/profile.h"
 #include "common.h"
 #include "solvers_report.h"
 

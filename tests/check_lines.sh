@@ -24,7 +24,11 @@ src/auto 2458
 src/front 2461
 src/motion 1167
 src/fe 4996
-src/cli 14100
+src/console 2300
+src/problem 4610
+src/charts 2730
+src/report 2180
+src/cli 2230
 src/mpi 3847
 src/python 2872
 src/fortran 579

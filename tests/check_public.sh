@@ -4,7 +4,7 @@
 #   1 each has a user: Python, Fortran, C++, the program, an example or a page of the guide
 #   2 each stands in docs/functions.md, in the row of its header, and each row names its header's functions alone
 cd "${1:-.}" || exit 2
-users="README.md include/delassus.hpp src/mpi/main.c $(find src/python/delassus src/fortran src/cli examples -type f)
+users="README.md include/delassus.hpp src/mpi/main.c $(find src/python/delassus src/fortran src/console src/problem src/charts src/report src/cli examples -type f)
   $(ls docs/*.md | grep -v -E '/(functions|contributing|decisions|source)\.md$')"
 used=$(mktemp) && trap 'rm -f "$used"' EXIT || exit 2
 LC_ALL=C grep -hoE 'dls_[a-z0-9_]+' $users | sort -u > "$used"

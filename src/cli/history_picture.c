@@ -4,7 +4,8 @@
  */
 #include <string.h>
 
-#include "race.h"
+#include "cli.h"
+#include "console/palette.h"
 
 enum { PICTURE_STAGES = 12 };
 

@@ -1,7 +1,8 @@
 /* info.c: delassus info FILE: tells facts about a contact problem, in words or as JSON. */
 #include <math.h>
 
-#include "matrices.h"
+#include "cli.h"
+#include "problem/matrices.h"
 
 static void info_usage(FILE *out) {
   fputs(

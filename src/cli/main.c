@@ -5,8 +5,12 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "charts/chart.h"
+#include "charts/map.h"
+#include "charts/profile.h"
 #include "cli.h"
 #include "linear/blas.h"
+#include "report/report.h"
 
 static void program_usage(FILE *out) {
   fputs("Usage: delassus COMMAND [OPTION]...\n"
@@ -46,11 +50,11 @@ static int blas_takes_memory(void) {
   const double x = 1, zero = 0;
   double y = 0;
   if (!openblas_set_num_threads) return 1;
-  void *const trial =
+  void *const buffer =
       mmap(NULL, wanted, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (trial == MAP_FAILED)
+  if (buffer == MAP_FAILED)
     return refuse("no memory for the buffer of OpenBLAS: 160 MB of address space (ulimit -v)");
-  (void)munmap(trial, wanted);
+  (void)munmap(buffer, wanted);
   dsyrk_("L", "N", &one, &one, &x, &x, &one, &zero, &y, &one, 1, 1);
   return 1;
 }

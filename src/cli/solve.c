@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cli.h"
-#include "hints.h"
+#include "problem/hints.h"
 #include "solve.h"
 
 enum { KEY_FORCES = 256 };

@@ -2,7 +2,7 @@
 #ifndef SOLVE_H
 #define SOLVE_H
 
-#include "matrices.h"
+#include "problem/matrices.h"
 
 typedef struct solve_options {
   solver_options solver;

@@ -6,7 +6,7 @@
  *
  * so that every error, order, limit and cost is known.
  */
-#include "cli/report.h"
+#include "report/report.h"
 #include "run.h"
 
 enum { own_nx = 1 << 16, own_steps = 1 << 12 };

@@ -427,9 +427,9 @@ TEST(coordinates) {
                        "--f @/f2.txt --mu 0.5 --csv @/pair"),
                    0);
   double r_n;
-  const char *row = strstr(get("pair/r.csv"), "\n0,1,stick,");
-  ck_assert_ptr_nonnull(row);
-  ck_assert_int_eq(sscanf(row, "\n0,1,stick,%*[^,],%lf", &r_n), 1);
+  const char *pair = strstr(get("pair/r.csv"), "\n0,1,stick,");
+  ck_assert_ptr_nonnull(pair);
+  ck_assert_int_eq(sscanf(pair, "\n0,1,stick,%*[^,],%lf", &r_n), 1);
   ck_assert_double_eq_tol(r_n, 1. / 3, 1e-9);
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --f @/f.txt --mu 0.5"),
                    0);

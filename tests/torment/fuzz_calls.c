@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/arrays.h"
 #include "delassus.h"
 #include "fuzz.h"
+#include "problem/arrays.h"
 
 static const char *const words[] = {"newton",
                                     "sweeps:3,newton",

@@ -27,8 +27,9 @@ import sys
 import tempfile
 import time
 
+PROGRAM_ROOMS = ("src/console", "src/problem", "src/charts", "src/report", "src/cli")
 ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/contact", "src/geometry", "src/linear",
-         "src/files", "src/facts", "src/auto", "src/front", "src/motion", "src/fe", "src/cli"]
+         "src/files", "src/facts", "src/auto", "src/front", "src/motion", "src/fe", *PROGRAM_ROOMS]
 # Random problems, solved in many ways and certified, which see every method and both rooms of LCP.
 PROPERTIES = "properties/properties --class each --seed 1 --step 2 --count 60 --out properties"
 # What tests are linked with beside the library and tests/shared, as in the Makefile.
@@ -36,7 +37,7 @@ JUDGES = [str(p)[:-2] for p in pathlib.Path("tests/properties").glob("*.c")
           if p.name != "properties.c" and not p.name.startswith("test_")]
 OTHERS = {"properties/properties": JUDGES, "properties/test_judges": JUDGES,
           "front/test_measure": ["bench/common", "bench/solvers_call"],
-          "cli/test_budget": ["src/cli/report_budget"]}
+          "cli/test_budget": ["src/report/report_budget"]}
 ALL = "build/tests/all"  # the program of all tests
 PROGRAM = "build/delassus"
 LIBRARIES = ("build/libdelassus.a", "build/libdelassus-files.a", "build/libdelassus-fe.a")
@@ -335,7 +336,7 @@ def try_mutant(tree, place, function, seconds):
             return None
         ordered = tree.tests_of(path, function)
         tree.parts_with(path)
-        tree.bind(tree.link, *([] if path.startswith("src/cli/") else [object_file]))
+        tree.bind(tree.link, *([] if path.startswith(PROGRAM_ROOMS) else [object_file]))
         has_program, until = False, cpu() + seconds
         for test in ordered:
             if cpu() > until:
@@ -346,7 +347,7 @@ def try_mutant(tree, place, function, seconds):
             if not tree.run(test):
                 tree.kills[test] = tree.kills.get(test, 0) + 1
                 return test
-        if path.startswith("src/cli/"):
+        if path.startswith(PROGRAM_ROOMS):
             return ""
         quick = [t for t in ordered if tree.seconds[t] < QUICK]
         return try_sanitized(tree, source, text, object_file, quick, cpu() + seconds)

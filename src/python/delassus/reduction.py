@@ -25,7 +25,7 @@ Stiffness = Union[Matrix, Callable[[Vector], Any]]
 
 def is_symmetric(K: Any) -> bool:
     """Returns True if K equals its transpose up to the rounding of an assembly, as the program
-    does (src/cli/arrays.c)."""
+    does (src/problem/arrays.c)."""
     K = sp.coo_matrix(K)
     size = np.sqrt(np.abs(K.diagonal()))
     apart = (K - K.T).tocoo()
