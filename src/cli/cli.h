@@ -10,6 +10,15 @@ int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_study(int argc, char **argv);
 
+/* Runs `delassus solve`; from: NULL, or what solves. */
+int solve_with(int argc, char **argv, const engine *from);
+
+/* Drops what a command has left open, flushes stdout; returns the exit status of the program. */
+int end_program(int result);
+
+/* info.c: prints a line for each of dls_diagnosis.hints. */
+void print_hints(const char *indent, int hints);
+
 /* ---- results.c ------------------------------------------------------------------------------- */
 
 /* Finds the state of each candidate; a new array, or NULL after a complaint. */

@@ -356,9 +356,6 @@ void print_stages(const dls_info *info);
 /* Prints both parts of the residual, a line. */
 void print_residuals(const char *indent, const dls_certificate *c);
 
-/* info.c: prints a line for each of dls_diagnosis.hints. */
-void print_hints(const char *indent, int hints);
-
 /* Prints one object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);
 
@@ -477,9 +474,6 @@ void place_panel(FILE *script, double left, double right, double bottom, double 
 
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
-
-/* Copies a name without directories and ending (named.c). */
-void shorten(const char *name, char *text, size_t size);
 
 /* ---- folder.c -------------------------------------------------------------------------------- */
 

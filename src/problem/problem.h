@@ -57,6 +57,9 @@ int problem_open(const char *name, const struct source *wanted, problem *p);
  * matrices. K stays factorised. 0 after a complaint. */
 int problem_reload(const char *name, const struct source *wanted, int loads, problem *p);
 
+/* Copies a name without directories and ending (named.c). */
+void shorten(const char *name, char *text, size_t size);
+
 /* named.c: the problem of a scene, of one step where it goes in steps. */
 dls_status problem_of_scene(const char *name, const struct source *from, problem *p,
                             dls_error *error);
@@ -72,12 +75,6 @@ typedef struct engine {
   dls_status (*recover)(problem *p, const double *r, double *x, dls_error *error);
   const double *(*motion)(int *body); /* as dls_reduction_motion */
 } engine;
-
-/* Runs `delassus solve`; from: NULL, or what solves. */
-int solve_with(int argc, char **argv, const engine *from);
-
-/* Drops what a command has left open, flushes stdout; returns the exit status of the program. */
-int end_program(int result);
 
 /* place.c: reduces p->model to W with the loads f, g, or takes it on K if `from` is for `solve` and
  * allows it. */
