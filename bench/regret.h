@@ -31,7 +31,7 @@ typedef struct regret_how {
   int all;        /* 1: each method has that limit and is printed; 0: a method that takes longer
                      than the best so far and twice the CPU of auto is stopped */
   int info;       /* 1: each solve fills a dls_info, whose predicted error costs a factorisation of
-                     a dense W of up to 300 rows; auto predicts the error in any case */
+                     a dense W of up to 300 rows */
 } regret_how;
 
 /* Solves s to tol by auto, by each method and by the peer. Fills automatic to stages of *r. */

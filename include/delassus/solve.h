@@ -115,8 +115,8 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
  *
  *   r (m)   in: the start if warm_start; out: the reactions
  *   u (m)   or NULL: W r + q
- *   info    or NULL: up to 60 rows auto then does not predict info.error, and does not improve an
- *           answer whose error is large
+ *   info    or NULL: auto then does not predict info.error, and does not improve an answer whose
+ *           error is large
  *
  * r and u must not overlap each other or W, q, mu (DLS_E_ARGUMENT). Allocates nothing if W has the
  * storage that limits.blocks announced, apart from MUMPS (newton.h) and from the proof of r with

@@ -3,8 +3,7 @@
  * springs, the error may be large although the residual is small. The problem is then solved to
  * smaller tolerances as long as the predicted error falls (facts/sensitivity.c).
  *
- *   (AC1)  the error is predicted if W may hide one (SN6); up to 60 rows only if the caller asks
- *          for dls_info: there the prediction would be half of the work
+ *   (AC1)  the error is predicted if W may hide one (SN6), and the caller asks for dls_info
  *   (AC2)  in a sequence of warm solves, error / residual of the last predicted answer is used
  * Also searches for other answers, at low cost. front/diagnose.c finds out more.
  */
@@ -35,8 +34,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int asked, dls_status sta
   const double tol = work->options.limits.tol, enough = fmax(dlsi_auto_accurate, 100 * tol);
   const dls_certificate *best = &work->info.certificate;
   const int rows = problem->W.a ? dlsi_predicted_rows : dlsi_predicted_of_blocks;
-  if (m > (size_t)rows) return status;
-  if (!asked && m <= dlsi_predicted_of_blocks) return status;
+  if (!asked || m > (size_t)rows) return status;
   const int known = work->amplified > 0 && work->last_nc == problem->nc;
   const double likely = work->amplified * fmax(best->residual, DBL_EPSILON);
   if (work->options.limits.warm_start && known && likely <= enough) {

@@ -173,18 +173,10 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 
 /* ---- prediction ------------------------------------------------------------------------------ */
 
-/* Adds the entries of a d x d block of rows b and columns c of W. inverse: of the weights, 2 nc. */
-static void add_block(size_t d, const double *inverse, int b, int c, const double *block, size_t ld,
-                      double *trace, double *square) {
-  for (size_t j = 0; j < d; j++) {
-    double sum = 0;
-    for (size_t i = 0; i < d; i++) {
-      const double x = block[i + ld * j], of_row = inverse[2 * b + (i > 0)];
-      sum += x * x * of_row;
-      if (b == c && i == j) *trace += x * of_row;
-    }
-    *square += sum * inverse[2 * c + (j > 0)];
-  }
+/* sum := sum + s x^2, n each: of rows, so that no sum waits for itself. */
+static void add_squares(size_t n, double s, const double *restrict x, double *restrict sum) {
+  for (size_t i = 0; i < n; i++)
+    sum[i] += s * x[i] * x[i];
 }
 
 int dlsi_is_small_part(double cost, const dls_info *info, double m) {
@@ -199,17 +191,24 @@ int dlsi_may_hide_error(const dls_contact *problem, const double *w, const dls_i
   if (d * (size_t)nc <= dlsi_predicted_of_blocks) return 1;
   if (dlsi_is_small_part(m * m * m, info, m)) return 1;
   const dls_blocks *W = &problem->Wb;
-  double inverse[2 * dlsi_predicted_rows], trace = 0, square = 0;
-  for (int k = 0; k < 2 * nc; k++)
-    inverse[k] = 1 / w[k];
-  for (int c = 0; c < nc && problem->W.a; c++)
-    for (int b = 0; b < nc; b++) {
-      const size_t ld = (size_t)problem->W.ld, at = d * ((size_t)b + ld * (size_t)c);
-      add_block(d, inverse, b, c, problem->W.a + at, ld, &trace, &square);
-    }
+  const size_t ld = (size_t)problem->W.ld, rows = (size_t)m;
+  double inverse[dlsi_predicted_rows], sum[dlsi_predicted_rows] = {0}, trace = 0, square = 0;
+  for (size_t i = 0; i < rows; i++)
+    inverse[i] = 1 / w[2 * (i / d) + (i % d > 0)];
+  for (size_t j = 0; j < rows && problem->W.a; j++) {
+    add_squares(rows, inverse[j], problem->W.a + ld * j, sum);
+    trace += problem->W.a[(ld + 1) * j] * inverse[j];
+  }
   for (int c = 0; c < nc && !problem->W.a; c++)
     for (int k = W->p[c]; k < W->p[c + 1]; k++)
-      add_block(d, inverse, W->i[k], c, W->x + d * d * (size_t)k, d, &trace, &square);
+      for (size_t j = 0; j < d; j++) {
+        const size_t column = d * (size_t)c + j;
+        const double *x = W->x + d * (d * (size_t)k + j);
+        add_squares(d, inverse[column], x, sum + d * (size_t)W->i[k]);
+        if (W->i[k] == c) trace += x[j] * inverse[column];
+      }
+  for (size_t i = 0; i < rows; i++)
+    square += sum[i] * inverse[i];
   return !(trace * trace >= fmax(few_directions, m / rows_of_direction) * square);
 }
 
