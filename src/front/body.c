@@ -111,7 +111,7 @@ static dls_status foresee(dls_reduction *reduction, int loads, int *better, dls_
   if (!status) status = dls_global_get_info(it->global, &info, error);
   if (status) return status;
   const double of_K = loads * (steps_on_K * info.step_bytes / memory_rate);
-  *better = of_K < of_W + analysis;
+  *better = of_K < of_W;
   return status;
 }
 

@@ -23,9 +23,10 @@ struct dls_solver {
   dlsi_units units;   /* a copy of the problem, if it needs one */
   double *room;       /* of the prediction of the error; NULL: none is made, or auto makes it */
   double *last;       /* m: r of the last solve, of last_nc contacts; NULL: no next one is mapped */
-  int last_nc, mapped; /* mapped: contacts of the map; -1: there is none */
-  int *from, *mark;    /* nc: the map; scratch, all 0 */
-  dlsi_least *least;   /* NULL: not asked for */
+  int last_nc, mapped;
+  const int *map;    /* of mapped contacts, from; NULL: there is none */
+  int *from, *mark;  /* nc; scratch, all 0 */
+  dlsi_least *least; /* NULL: not asked for */
 };
 
 int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
@@ -134,7 +135,7 @@ dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
   if (status) return status;
   dls_solver *solver = dlsi_alloc(1, sizeof *solver);
   if (!solver) return dlsi_no_memory(error);
-  *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc, .mapped = -1};
+  *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc};
   status = solver_create_work(solver, lazy, error);
   solver->settings.plan = settings->plan ? "" : NULL; /* the words are the workspace's now */
   solver->settings.without = NULL;
@@ -204,15 +205,14 @@ static dls_status solver_take_least(dls_solver *solver, const dls_contact *probl
 
 /* Hands the map over to the method, if there is one of this problem. */
 static void solver_take_map(dls_solver *solver, const dls_contact *problem) {
-  const int *from = solver->mapped == problem->nc ? solver->from : NULL;
-  solver->mapped = -1;
+  const int *from = solver->mapped == problem->nc ? solver->map : NULL;
+  solver->map = NULL;
   if (solver->method->map) solver->method->map(solver->work, problem->nc, from);
 }
 
 /* Keeps the answer for dls_solver_map. */
 static void solver_remember(dls_solver *solver, const dls_contact *problem, const double *r) {
   solver->last_nc = problem->nc;
-  solver->mapped = -1;
   if (problem->nc > 0)
     memcpy(solver->last, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
 }
@@ -331,6 +331,7 @@ dls_status dls_solver_map(dls_solver *solver, int nc, const int *from, double *r
     else
       memcpy(rc, solver->last + d * (size_t)from[c], d * sizeof *rc);
   }
+  solver->map = solver->from;
   solver->mapped = nc;
   return dlsi_leave(&solver->busy, DLS_OK);
 }

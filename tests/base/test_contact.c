@@ -469,6 +469,9 @@ TEST(rounding_has_no_direction) {
   r[0] = r[1] = 0x1p-30; /* free, and w r_n < u_n: friction has no say, the other laws do */
   c = certified(&p, r, NULL);
   ck_assert(c.slip_direction == 0 && c.cone_violation > 0 && c.complementarity > 0);
+  q[0] = r[0] = r[1] = 1; /* free: u_n = 3, w r_n = 2 */
+  ck_assert(certified(&p, r, NULL).slip_direction == 0);
+  r[0] = r[1] = 0x1p-30;
   q[0] = -0x1p-29; /* closed: u_n = 0, u_t = 4 along r_t */
   c = certified(&p, r, NULL);
   ck_assert_double_eq_tol(c.slip_direction, 8, 1e-7);

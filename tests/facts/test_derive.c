@@ -416,6 +416,25 @@ TEST(four_legs) {
           (double[]){0.75, 0.25, 0.25, 0.75}, -1);
 }
 
+/* Two rows that differ by 1e-8 determine r, and its derivative -W^-1, to eight digits. */
+TEST(nearly_parallel_rows) {
+  static model a;
+  const double e = 1e-8;
+  double dr[2];
+  dls_derive *derive;
+  set_model(&a, 1, 2);
+  for (int k = 0; k < 4; k++)
+    a.W[k] = k % 3 ? 1 - e : 1;
+  a.q[0] = -3 + 2 * e;
+  a.q[1] = -3 + e;
+  ck_assert_int_eq(dls_derive_create(&derive, &a.p, (double[]){1, 2}, -1, NULL), DLS_OK);
+  ck_assert_int_eq(dls_derive_jvp(derive, &(dls_derive_data){.q = (double[]){e, 0}},
+                                  &(dls_derive_answer){.r = dr}, NULL),
+                   DLS_OK);
+  assert_near(dr, (double[]){-1 / (2 - e), (1 - e) / (2 - e)}, 2, 1e-7);
+  dls_derive_destroy(derive);
+}
+
 /* The linearised contact problem of one load step of the indentation of Chabrand et al. */
 TEST_EACH(indentation, 0, 6) {
   dls_forming_settings s;

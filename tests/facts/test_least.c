@@ -5,6 +5,7 @@
  * Solved by hand, or by every method and in two orders of the contacts.
  */
 #include "delassus.h"
+#include "front_cases.h"
 #include "made.h"
 #include "run.h"
 
@@ -301,9 +302,22 @@ static void make_scene(scene *s, int k) {
   if (k == 3) arch(s, 30);
 }
 
-/* The least forces do not depend on method and order. With r' what the method gives, the sum of
- * w r.(r' - r) is >= 0: for all r' of the same positions, a convex set, that is the condition for
- * the least. */
+/* Judges r beside r' of the same positions, a convex set: the sum of w r.(r' - r) is >= 0 for the
+ * least r. */
+static void assert_least(const dls_contact *p, const double *r, const double *other) {
+  const int d = p->d, m = d * p->nc;
+  double slope = 0, least = 0;
+  for (int k = 0; k < m; k++) {
+    double w = 0;
+    for (int i = 0; i < d; i++)
+      w += p->W.a[(k / d * d + i) * (m + 1)] / d;
+    slope += w * r[k] * (other[k] - r[k]);
+    least += w * r[k] * r[k];
+  }
+  ck_assert_double_ge(slope, -1e-6 * least);
+}
+
+/* The least forces do not depend on method and order. */
 TEST_EACH(methods_and_orders, 0, 4) {
   static const dls_method method[] = {DLS_AUTO, DLS_NLGS, DLS_NEWTON, DLS_ADMM,
                                       DLS_AUGMENTED_LAGRANGIAN};
@@ -324,18 +338,9 @@ TEST_EACH(methods_and_orders, 0, 4) {
     ck_assert_int_eq(solve_for(p, method[k / 2], DLS_FORCES_LEAST, x, &info), DLS_OK);
     ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
     ck_assert(dls_certificate_holds(&info.certificate, 1e-8));
-    double slope = 0, least = 0;
-    for (int c = 0; c < s[0].nc; c++) {
-      double w = 0;
-      for (int i = 0; i < d; i++)
-        w += p->W.a[(d * c + i) * (m + 1)] / d;
-      for (int i = 0; i < d; i++) {
-        r[d * (k % 2 ? from[c] : c) + i] = x[d * c + i];
-        slope += w * x[d * c + i] * (any[d * c + i] - x[d * c + i]);
-        least += w * x[d * c + i] * x[d * c + i];
-      }
-    }
-    ck_assert_double_ge(slope, -1e-6 * least);
+    assert_least(p, x, any);
+    for (int c = 0; c < s[0].nc; c++)
+      memcpy(r + d * (k % 2 ? from[c] : c), x + d * c, (size_t)d * sizeof *r);
     if (!solved++) memcpy(first, r, sizeof r);
     ck_assert_double_le(apart(m, r, first), 1e-6);
   }
@@ -345,6 +350,23 @@ TEST_EACH(methods_and_orders, 0, 4) {
     const int mirror = s[0].nc - 2 - c + 2 * (c % 2);
     ck_assert_double_eq_tol(first[2 * c], first[2 * mirror], 1e-6 * fabs(first[2 * c]) + 1e-9);
   }
+}
+
+/* W of low rank, its eigenvalues over four decades: Newton's method needs its line search (LS4). */
+TEST_EACH(line_search, 0, 4) {
+  static const struct {
+    int nc, rank, seed;
+    double mu;
+  } of[] = {{19, 14, 45, .1}, {34, 51, 475, .3}, {14, 10, 555, .3}, {24, 18, 585, 8}};
+  static planted_problem a;
+  double r[3 * PLANTED], any[3 * PLANTED];
+  dls_info info;
+  const dls_contact p = planted_graded(&a, 2 + of[_i].seed % 2, of[_i].nc, of[_i].rank, 1e4,
+                                       of[_i].mu, (unsigned)of[_i].seed);
+  ck_assert_int_eq(solve_for(&p, DLS_AUTO, DLS_FORCES_ANY, any, NULL), DLS_OK);
+  ck_assert_int_eq(solve_for(&p, DLS_AUTO, DLS_FORCES_LEAST, r, &info), DLS_OK);
+  ck_assert_int_eq(info.forces, DLS_FORCES_LEAST);
+  assert_least(&p, r, any);
 }
 
 /* A second way, where no least reaction is on its cone: W + eps diag(w), eps = 1e-8, has one

@@ -1,6 +1,7 @@
 /* test_scatter.c: Newton's method from scattered starts, a stage of auto. */
 #include "auto/auto.h"
 #include "cases.h"
+#include "front_cases.h"
 #include "linear/room.h"
 #include "made.h"
 #include "run.h"
@@ -63,6 +64,20 @@ TEST_EACH(finds_what_is_there, 0, 12) {
   ck_assert(dls_certificate_holds(&c, 1e-10));
   ck_assert_int_eq(scatter(&a.p, &limits, again, NULL), DLS_OK);
   ck_assert_mem_eq(r, again, (size_t)(a.p.d * a.p.nc) * sizeof *r);
+}
+
+/* Planted problems of low rank and large friction. Starts whose slipping contacts do not slip the
+ * way they were drawn (SC2) reach 24. */
+TEST(planted_solutions_are_found) {
+  static planted_problem a;
+  const dls_limits limits = {.tol = 1e-10};
+  double r[3 * PLANTED];
+  int solved = 0;
+  for (unsigned seed = 1; seed <= 30; seed++) {
+    const dls_contact p = planted(&a, 3, 12, 9, 16, seed);
+    solved += scatter(&p, &limits, r, NULL) == DLS_OK;
+  }
+  ck_assert_int_ge(solved, 26);
 }
 
 static int third_call(void *data, const dls_progress *progress) {

@@ -4,38 +4,17 @@
  *   (NL13) A solve that knows its contacts again (dls_solver_map) sweeps only those that act: at
  *          the start those with r_c not 0 or u_n < 0. A look at all contacts, after sweeps 5, 10,
  *          15, 20, 40, 60 .. and before the certificate, adds others by the same rule; none is
- *          taken out. All are swept if more than half of them act, and with (NL6)
+ *          taken out. All are swept if more than half of them act, with (NL6), and by a stage that
+ *          goes on (NL14), whose p has other contacts
  *
- * A contact that is left out has r_c = 0. Momentum forgets it: its part of p goes out of the
- * motions, too. In flowing packings a sixth to a third of the contacts act. A cold solve would gain
- * as well, but has to find them first: it sweeps all.
+ * A contact that is left out has r_c = 0. In flowing packings a sixth to a third of the contacts
+ * act. A cold solve would gain as well, but has to find them first: it sweeps all.
  *
  * Cost: of a look, half a sweep over all; if contacts are added, groups of those that act.
  */
 #include "nlgs_work.h"
 
 static const double most_acting = 0.5; /* of the contacts: with more, groups cost what they save */
-
-/* Takes a contact that is left out from the last step of momentum. */
-static void active_forget(dls_nlgs *work, const dls_contact *problem, int c) {
-  const size_t d = (size_t)problem->d, at = d * (size_t)c;
-  const int n = work->motions;
-  double *const vectors[2] = {work->momentum.r + at, work->momentum.p + at};
-  double *const kept[2] = {work->momentum.u, work->momentum.pu};
-  for (int k = 0; k < 2; k++) {
-    double minus[3];
-    int moves = 0;
-    for (size_t i = 0; i < d; i++) {
-      minus[i] = -vectors[k][i];
-      moves |= minus[i] != 0;
-      vectors[k][i] = 0;
-    }
-    if (!moves || !n) continue;
-    const dlsi_pair_of_bodies of =
-        dlsi_bodies_of(&problem->bodies, (size_t)n * d, (size_t)c, kept[k]);
-    dlsi_bodies_push(problem->d, n, &of, minus);
-  }
-}
 
 /* Returns 1 if the contact carries a reaction or closes. */
 static int active_acts(const dls_nlgs *work, size_t d, int c, const double *r) {
@@ -65,6 +44,4 @@ void dlsi_nlgs_narrow(dls_nlgs *work, const dls_contact *problem, const double *
   }
   work->acting_count = count;
   work->narrow = 1;
-  for (int c = 0; c < problem->nc; c++)
-    if (!work->acts[c]) active_forget(work, problem, c);
 }

@@ -201,8 +201,7 @@ int dlsi_nlgs_resume(dls_nlgs *work, const dls_contact *problem, double *r) {
   work->left.residual = 0;
   if (!(work->it.certificate.residual >= far_better * then && then > 0)) return 0;
   dlsi_nlgs_return(work, problem, work->left.r, r);
-  work->narrow = work->acting_count = 0;
-  memset(work->acts, 0, (size_t)problem->nc * sizeof *work->acts);
+  work->narrow = work->knows = 0;
   return work->left.sweeps;
 }
 
