@@ -15,7 +15,7 @@ src/contact 3736
 src/linear 4143
 src/geometry 1194
 lcp 3448
-vi 9767
+vi 9743
 reduction 2255
 global 3637
 src/files 3719
@@ -32,7 +32,7 @@ src/cli 2230
 src/mpi 3847
 src/python 2872
 src/fortran 579
-tests 65417
+tests 65600
 bench 13874
 examples 2799
 END
