@@ -22,8 +22,8 @@
  * residuals, so that a fixed point depends on neither. For the same reason the factors of the
  * previous step serve again while no state has changed and a step gains a digit: a chord method.
  *
- * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, after three
- * steps in a row that did not halve the smallest measure, or if the matrix is singular.
+ * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, if three steps
+ * have not halved the measure, or if the matrix is singular.
  *
  *   (GN4)  Scattered steps (scatter.c): a contact whose state is to change keeps it with
  *          probability 1/2. E starts large and is halved by each step; s is drawn, too: with a
@@ -373,7 +373,7 @@ static double newton_accuracy(const dls_global *work, double residual, int chang
 
 static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *error) {
   dls_global *work = N->global;
-  double before = INFINITY, least = INFINITY;
+  double before = INFINITY, halved = INFINITY;
   int slow = 0, fresh = 0;
   const int most = N->draw || !work->system ? most_scattered : most_steps;
   for (int step = 0; step < most && (slow < (work->system ? patience : host_patience) || N->draw);
@@ -410,8 +410,8 @@ static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *e
     if (!work->system && ++work->iterations == work->limits->max_iterations) break;
     const double badness = dlsi_body_badness(&now);
     if (!(badness <= DBL_MAX)) break;
-    slow = badness < least / 2 ? 0 : slow + 1;
-    if (badness < least) least = badness;
+    slow = badness < halved / 2 ? 0 : slow + 1;
+    if (slow == 0) halved = badness;
     fresh = badness < stale * before;
     before = badness;
   }

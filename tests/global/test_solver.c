@@ -265,6 +265,35 @@ TEST_EACH(newton_by_the_host, 0, 15) {
   ck_assert(kind == 2 || steps[0] == steps[1]); /* garbage has no units */
 }
 
+/* Steps that advance, though none halves the residual of the one before, go on: the splitting is not called. */
+TEST(newton_on_a_long_surface) {
+  solids S;
+  solids_strip(&S, 80, 4);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes, m = 2 * nc;
+  double *mu = calloc((size_t)(nc + m + n), sizeof *mu), *r = mu + nc, *x = r + m;
+  host h = host_of(model);
+  h.most = 10000;
+  const dls_global_solver solver = {&h, prepare, gradients, block, cycle};
+  const dls_limits limits = {.tol = 1e-9};
+  dls_global *G = NULL;
+  dls_error e = {0};
+  dls_info info;
+  for (int c = 0; c < nc; c++) {
+    const double X = 2. * c / nc - 1;
+    mu[c] = 1;
+    S.g[2 * c] = 6e-3 * X * X;
+  }
+  ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, mu, &limits, r, x, &info, &e), DLS_OK);
+  ck_assert(dls_certificate_holds(&info.certificate, 1e-9));
+  ck_assert_int_eq(h.solved, 0);
+  dls_global_destroy(G);
+  free(h.R);
+  free(mu);
+  solids_free(&S);
+}
+
 /* Where all contacts are open, or there is none, x is as accurate as tol asks for. */
 TEST_EACH(open_or_none, 0, 2) {
   solids S;
