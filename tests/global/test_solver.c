@@ -265,7 +265,7 @@ TEST_EACH(newton_by_the_host, 0, 15) {
   ck_assert(kind == 2 || steps[0] == steps[1]); /* garbage has no units */
 }
 
-/* Steps that advance, though none halves the residual of the one before, go on: the splitting is not called. */
+/* Steps that advance go on, though none halves the residual of the one before: no splitting. */
 TEST(newton_on_a_long_surface) {
   solids S;
   solids_strip(&S, 80, 4);
