@@ -22,9 +22,9 @@
  *          cost alone
  *   (FC5)  sweeps give way to the convex problem if (FC1) exceeds 100: at once where bodies look at
  *          rest; elsewhere after 200 sweeps, or four factorisations as numbered if these cost less,
- *          if (FC1) exceeds twice the sweeps so far, and after 800 in any case. There a
- *          factorisation may cost as many sweeps as were made, at rest 1000; else the step waits
- *          for so many. The fill of bodies is foreseen before W is formed (vi/split/fill.c)
+ *          if (FC1) exceeds twice the sweeps so far, and after 800 in any case. There its factors
+ *          may cost as many sweeps as were made, at rest 1000, else it waits for so many; once it
+ *          has failed, for 4 times the sweeps, and then it is more patient. vi/split/fill.c
  */
 #include <math.h>
 

@@ -12,9 +12,8 @@
  *             have at least d + 1 contacts each, as many as hold them with friction, so that each
  *             contact has 2 d neighbours. Looser packings converge in about ten sweeps
  *
- * At rest: -q lies in the friction cones up to 10 % of its length, because q is the velocity of a
- * free fall; bodies in motion are far from that. If contacts have at most three neighbours on
- * average, a factorisation costs as much as a few sweeps, and the problem counts as at rest, too.
+ * At rest: -q lies in the friction cones up to 10 % of its length, as the velocity of a free fall,
+ * or contacts have at most three neighbours on average: a factorisation costs a few sweeps then.
  */
 #include <limits.h>
 #include <math.h>
@@ -226,7 +225,8 @@ static const step few[] = {{SWEEPS, 0, 0},       {REST, 0, 0},
                            {REST, 0, 0},         {NEWTON, 0, 0},
                            {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, 20},
                            {NEWTON, 0, 0},       {PUSH, 0, dlsi_auto_long_pushes},
-                           {NEWTON, 0, 0},       {COLD_SPLITTING, COLD, dlsi_auto_splits},
+                           {REST, 0, 0},         {NEWTON, 0, 0},
+                           {AGAIN, 0, 3},        {COLD_SPLITTING, COLD, dlsi_auto_splits},
                            {NEWTON, 0, 0},       {END, 0, 0}};
 
 /* Momentum, in turn with Newton's method, which leads nowhere far from the answer (above), and

@@ -104,7 +104,8 @@ static void remember(dlsi_auto *work, part k, dls_status status, const dls_info 
   h->last = k;
   if (k == REST) {
     const double refused = status == DLS_STALLED ? dlsi_rest_refused(work->part[REST]) : 0;
-    work->convex_from = refused > 0 ? refused : INFINITY;
+    const int again = status == DLS_STALLED && work->convex_from > 0;
+    work->convex_from = refused > 0 ? refused : again ? 4. * dlsi_auto_sweeps(work) : INFINITY;
   }
   if (k == AUGMENTED && h->ended[k] == DLS_REASON_COSTLIER) work->turn *= 2;
 }
@@ -156,6 +157,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
   dls_error why = {0};
   const double begun = dlsi_clock_since(work->begun);
   work->most = s.most;
+  if (k == PUSH && s.most > work->history.iterations[k]) work->most -= work->history.iterations[k];
   dls_status status = k == PUSH ? DLS_OK : dlsi_auto_form_blocks(work, &why);
   if (status == DLS_E_SIZE) return pass_over(work, k); /* too many blocks: sweeps on bodies alone */
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;

@@ -35,13 +35,13 @@ static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol
 }
 
 /* Sweeps are enough for 1e-4, with momentum where there are many candidates; the convex problem may
- * be tried beside them. */
+ * be tried twice beside them. */
 TEST_EACH(sweeps_are_enough, 0, 3) {
   static const int sizes[] = {300, 700, 2500};
   static const char *const kinds[] = {"packing-rest", "packing-flow"};
   for (int k = 0; k < 2; k++) {
     const dls_info info = pack(kinds[k], sizes[_i], 2, 1e-4);
-    ck_assert_int_le(info.stages, 3);
+    ck_assert_int_le(info.stages, 5);
     ck_assert_int_eq(info.stage[info.stages - 1].method, DLS_NLGS);
     for (int s = 0; s < info.stages; s++)
       if (info.stage[s].step != DLS_STEP_CONVEX) ck_assert_int_eq(info.stage[s].method, DLS_NLGS);
