@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "common.h"
-#include "regret_kinds.h"
+#include "rigid.h"
 
 static const double gravity = 9.81, mean_radius = 0.01, density = 2500; /* m/s2, m, kg/m3 */
 static const double margin = 0.1;                                       /* of the mean radius */
@@ -21,11 +21,11 @@ static double column_dot(const double *x, const double *y) {
 static void column_place(column *a, const column_kind *kind, int k, int side, uint64_t *state) {
   const double cell = kind->cell * mean_radius, reach = 2 * mean_radius * (1 + kind->spread);
   const double rise = sqrt(reach * reach - cell * cell / 2) + kind->shake * mean_radius;
-  const int layer = k / (side * side), row = k / side % side, place = k % side;
+  const int layer = k / (side * side), row = k / side % side, spot = k % side;
   double *x = a->x + (size_t)d * (size_t)k;
   a->radius[k] = mean_radius * (1 + kind->spread * bench_draw(state));
   a->mass[k] = density * 4 / 3 * acos(-1) * pow(a->radius[k], 3);
-  x[0] = cell * (place + layer % 2 * 0.5) + kind->shake * mean_radius * bench_draw(state);
+  x[0] = cell * (spot + layer % 2 * 0.5) + kind->shake * mean_radius * bench_draw(state);
   x[1] = cell * (row + layer % 2 * 0.5) + kind->shake * mean_radius * bench_draw(state);
   x[2] = mean_radius * (1 + kind->spread) + rise * layer;
 }
@@ -117,7 +117,7 @@ static void column_write(const column *a, int k, double arm, double sign, double
   const double *v = a->v + (size_t)n * (size_t)k;
   for (int j = 0; j < d; j++) {
     double turn[3];
-    regret_cross(lever, frame[j], turn);
+    rigid_cross(lever, frame[j], turn);
     for (int i = 0; i < d; i++) {
       H[n * j + i] = by_mass * frame[j][i];
       H[n * j + d + i] = by_inertia * turn[i];
@@ -142,7 +142,7 @@ static int column_touch(column *a, int one, int other, const double *normal, dou
                               : axes[fabs(normal[0]) > 0.7],
               frame[1]);
   memcpy(a->now.tangent + d * c, frame[1], sizeof frame[1]);
-  regret_cross(frame[0], frame[1], frame[2]);
+  rigid_cross(frame[0], frame[1], frame[2]);
   memset(q, 0, d * sizeof *q);
   column_write(a, one, a->radius[one], 1, frame, H, q);
   if (other >= 0) column_write(a, other, -a->radius[other], -1, frame, H + n * d, q);

@@ -399,7 +399,7 @@ int main(int argc, char **argv) {
   FILE *csv = wanted >> WHERE & 1 ? bench_open(directory, "global.csv") : NULL;
   if (!page || (wanted >> WHERE & 1 && !csv)) return EXIT_FAILURE;
   bench_print(page, "CPU seconds and peak memory of a child process, without the model; "
-                    "global_scenes.h has the scenes. Each table has its command. One scene: "
+                    "surfaces.h has the scenes. Each table has its command. One scene: "
                     "`build/bench/global --scene strip soft lift 4000 4 1`.\n\n");
   if (wanted & 1) table_peer(page);
   if (wanted >> 1 & 1) table_growth(page);

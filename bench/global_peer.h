@@ -2,7 +2,7 @@
 #ifndef GLOBAL_PEER_H
 #define GLOBAL_PEER_H
 
-#include "global_scenes.h"
+#include "surfaces.h"
 
 /* Solves a scene whose K is regular with friction mu everywhere, until the residuals of positions
  * and forces are at most tol. r: d nc; x: n; *iterations: at most 20000. Returns 0, 1 if it did not

@@ -3,7 +3,7 @@
 #define GLOBAL_WAYS_H
 
 #include "delassus.h"
-#include "global_scenes.h"
+#include "surfaces.h"
 
 /* ON_K: dls_global_create and dls_global_solve. ON_W: bench_reduce, dls_solve (auto),
  * dls_reduction_recover. PEER: global_peer.h. EITHER: dls_reduction_create and

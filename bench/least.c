@@ -12,7 +12,7 @@
 
 #include "common.h"
 #include "delassus/trust.h"
-#include "regret_kinds.h"
+#include "rigid.h"
 #include "solvers_scenes.h"
 
 enum { calls = 5, most_costs = 500, sets = 4, most_rows = 600 };
@@ -97,51 +97,34 @@ static void least_scene(void *data, const scene *s) {
 /* ---- tables and arches ----------------------------------------------------------------------- */
 
 /* Judges the bodies, W dense. */
-static void judge_rigid(yard *y, least_set *set) {
-  regret_problem *a = y->a;
-  if (yard_close(y)) exit(1);
+static void judge_rigid(rigid *a, least_set *set) {
   const int m = a->contact.d * a->contact.nc;
-  a->W = calloc((size_t)m * (size_t)m, sizeof *a->W);
-  if (!a->W || dls_blocks_to_dense(&a->contact.Wb, a->W, m, NULL)) exit(1);
+  double *W = calloc((size_t)m * (size_t)m, sizeof *W);
+  if (!W || dls_blocks_to_dense(&a->contact.Wb, W, m, NULL)) exit(1);
   scene s = {.set = "rigid", .contact = a->contact};
-  s.contact.W = (dls_dense){m, m, m, a->W};
+  s.contact.W = (dls_dense){m, m, m, W};
   s.contact.Wb = (dls_blocks){0};
   least_scene(set, &s);
-  regret_free(a);
+  free(W);
+  rigid_free(a);
 }
 
 static void judge_table(int legs, least_set *set) {
-  static const double middle[3] = {0}, inertia[3] = {1. / 9, 1. / 9, 1. / 9}, up[3] = {0, 0, 1};
-  static const double v[6] = {0, 0, -1, 0, 0, 0};
-  regret_problem a = {0};
-  yard y = {.mu = 0.5};
-  if (yard_open(&y, &a, 3, 1, legs)) exit(1);
-  (void)yard_body(&y, middle, 1, inertia, v);
+  rigid a;
+  heap h = {.d = 3};
+  (void)heap_add_body(&h, (solid){.v = {0, 0, -1}, .mass = 1, .inertia = {1. / 9, 1. / 9, 1. / 9}});
   for (int c = 0; c < legs; c++) {
-    const double at = 2 * pi * c / legs, x[3] = {cos(at), sin(at), -1};
-    yard_touch(&y, 0, -1, x, up);
+    const double at = 2 * pi * c / legs;
+    heap_touch(&h, (place){.b = -1, .x = {cos(at), sin(at), -1}, .normal = {0, 0, 1}});
   }
-  judge_rigid(&y, set);
+  if (rigid_close(&a, &h, 0.5)) exit(1);
+  judge_rigid(&a, set);
 }
 
 static void judge_arch(int bodies, least_set *set) {
-  static const double v[3] = {0, -1, 0};
-  const double step = pi / bodies, mass = 0.3 * step, inertia = mass * (0.09 + step * step) / 12;
-  regret_problem a = {0};
-  yard y = {.mu = 0.7};
-  if (yard_open(&y, &a, 2, bodies, 2 * (bodies + 1))) exit(1);
-  for (int b = 0; b < bodies; b++) {
-    const double at = pi - (b + 0.5) * step, middle[3] = {cos(at), sin(at), 0};
-    (void)yard_body(&y, middle, mass, &inertia, v);
-  }
-  for (int c = 0; c < 2 * (bodies + 1); c++) {
-    const int joint = c / 2, last = joint == bodies;
-    const double at = pi - joint * step, R = c % 2 ? 1.15 : 0.85, sign = last ? -1 : 1;
-    const double x[3] = {R * cos(at), R * sin(at), 0};
-    const double normal[3] = {sign * sin(at), -sign * cos(at), 0};
-    yard_touch(&y, joint - last, last ? -1 : joint - 1, x, normal);
-  }
-  judge_rigid(&y, set);
+  rigid a;
+  if (rigid_create(&a, "arch", 2 * (bodies + 1), 0.7, 1)) exit(1);
+  judge_rigid(&a, set);
 }
 
 int main(int argc, char **argv) {

@@ -28,6 +28,7 @@ int problem_random(problem *p, int n);
 /* A contact problem that owns its arrays. */
 typedef struct lining {
   dls_contact contact;
+  dls_reduction *reduction;
   double *W, *q, *mu;
 } lining;
 

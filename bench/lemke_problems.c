@@ -6,17 +6,14 @@
  * skew with entries in 0.02 [-1, 1]; G and q have entries in [-1, 1]. M is positive definite, so
  * there is one solution; half of q is negative, which takes Lemke about n/2 pivots.
  *
- * Friction: a lining, the flat elastic block of nx x 8 square elements (two T3 each, plane strain,
- * E = 1, nu = 0.3, element size 1), glued with its top to a rigid back. Its nx + 1 bottom nodes are
- * candidates to contact with a rigid wavy track, mu = 0.3. The back is pushed down by `press` and
- * along by `shear`. Without reactions the lining follows its back as a rigid body, so that
+ * Friction: a lining, the flat elastic box of nx x 8 squares (reduction_boxes.c), glued with its top
+ * to a rigid back. Its nx + 1 bottom nodes are candidates to contact with a rigid wavy track, mu =
+ * 0.3. The back is pushed down by `press` and along by `shear`. Without reactions the lining follows
+ * its back as a rigid body, so that
  *
  *   q_n = wave(x) - press,   q_t = shear;      W = H^T K^-1 H,
  *
- * and some candidates are free, some slip, some stick. W decays along the surface, from 6 to 3e-69
- * at n = 3999. K of the nodes below the back, numbered column by column, is a band of half width
- * 19: dpbtrf, then dpbtrs with some columns of H at a time. No dense K of 16 nx unknowns is formed.
- * Cost: 4 * 19 * 16 nx * 2 nc flops.
+ * and some candidates are free, some slip, some stick. W decays along the surface.
  */
 #include <math.h>
 #include <stdint.h>
@@ -25,17 +22,12 @@
 #include <string.h>
 
 #include "common.h"
-#include "delassus/fe.h"
 #include "lemke.h"
+#include "reduction_boxes.h"
 
 void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
             const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
             size_t);
-void dpbtrf_(const char *uplo, const int *n, const int *kd, double *ab, const int *ldab, int *info,
-             size_t);
-void dpbtrs_(const char *uplo, const int *n, const int *kd, const int *nrhs, const double *ab,
-             const int *ldab, double *b, const int *ldb, int *info, size_t);
-
 static double *zeros(size_t count) {
   return calloc(count, sizeof(double));
 }
@@ -114,67 +106,12 @@ end:
 
 /* ---- the lining ------------------------------------------------------------------------------ */
 
-enum { layers = 8, kd = 2 * layers + 3, chunk = 64 };
-
-/* Returns the unknown of node (i, j), component c (0: x, 1: y), j = 0 at the bottom; -1 on the
- * back. */
-static int lining_unknown(int i, int j, int c) {
-  return j == layers ? -1 : 2 * (i * layers + j) + c;
-}
-
-/* Adds up the lower band of K, in which K(a, b) stands at band[a - b + b * (kd + 1)], from the one
- * 8 x 8 matrix of a square of two triangles. */
-static int lining_stiffness(double *band, int nx) {
-  dls_fe_mesh square;
-  double S[64];
-  if (dls_fe_mesh_block(&square, 1, 1, 1, 1, NULL)) return -1;
-  const dls_status status = dls_fe_stiffness(&square, 1, 0.3, S, 8, NULL);
-  dls_fe_mesh_free(&square);
-  if (status) return -1;
-  for (int i = 0; i < nx; i++)
-    for (int j = 0; j < layers; j++)
-      for (int p = 0; p < 8; p++)
-        for (int q = 0; q < 8; q++) { /* local node k stands at (k % 2, k / 2) */
-          const int a = lining_unknown(i + p / 2 % 2, j + p / 4, p % 2);
-          const int b = lining_unknown(i + q / 2 % 2, j + q / 4, q % 2);
-          if (b >= 0 && a >= b) band[(size_t)(a - b) + (size_t)b * (kd + 1)] += S[p + 8 * q];
-        }
-  return 0;
-}
-
-/* Returns the unknown that column k of H picks for candidate k / 2: y for even k, x for odd k. */
-static int lining_contact(int k) {
-  return lining_unknown(k / 2, 0, k % 2 == 0);
-}
-
-static int lining_condense(double *W, int nc) {
-  const int n = 2 * layers * nc, m = 2 * nc, ldab = kd + 1, half_width = kd;
-  double *band = zeros((size_t)ldab * (size_t)n), *X = zeros((size_t)n * chunk);
-  int info = !band || !X || lining_stiffness(band, nc - 1);
-  if (!info) dpbtrf_("L", &n, &half_width, band, &ldab, &info, 1);
-  for (int first = 0; first < m && !info; first += chunk) {
-    const int columns = m - first < chunk ? m - first : chunk;
-    memset(X, 0, (size_t)n * chunk * sizeof *X);
-    for (int k = 0; k < columns; k++)
-      X[(size_t)lining_contact(first + k) + (size_t)k * (size_t)n] = 1;
-    dpbtrs_("L", &n, &half_width, &columns, band, &ldab, X, &n, &info, 1);
-    for (int k = 0; k < columns; k++)
-      for (int i = 0; i < m; i++)
-        W[(size_t)i + (size_t)(first + k) * (size_t)m] =
-            X[(size_t)lining_contact(i) + (size_t)k * (size_t)n];
-  }
-  free(band);
-  free(X);
-  return info ? -1 : 0;
-}
-
 int lining_create(lining *l, int nc) {
-  const size_t m = 2 * (size_t)nc;
+  box b;
   memset(l, 0, sizeof *l);
-  l->W = zeros(m * m);
-  l->q = zeros(m);
+  l->q = zeros(2 * (size_t)nc);
   l->mu = zeros((size_t)nc);
-  if (!l->W || !l->q || !l->mu || lining_condense(l->W, nc)) {
+  if (!l->q || !l->mu || box_create_glued(&b, 2, nc - 1, 8)) {
     lining_free(l);
     return -1;
   }
@@ -184,12 +121,16 @@ int lining_create(lining *l, int nc) {
     l->q[2 * c + 1] = shear;
     l->mu[c] = 0.3;
   }
-  l->contact =
-      (dls_contact){.d = 2, .nc = nc, .W = {(int)m, (int)m, (int)m, l->W}, .q = l->q, .mu = l->mu};
-  return 0;
+  const int bad = bench_reduce(&l->reduction, &b.model, NULL) ||
+                  dls_reduction_contact(l->reduction, l->mu, &l->contact, NULL);
+  l->contact.q = l->q;
+  box_free(&b);
+  if (bad) lining_free(l);
+  return bad ? -1 : 0;
 }
 
 void lining_free(lining *l) {
+  dls_reduction_destroy(l->reduction);
   free(l->W);
   free(l->q);
   free(l->mu);

@@ -5,59 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Gives dN/dx (corners x d) at point p of the element with corners x, and returns the volume that
- * belongs to it. Bit l of a corner's or point's number is its side in direction l. */
-static double element_gradients(int d, const double *x, int p, double (*dN)[3]) {
-  const int corners = 1 << d;
-  const double at = 1 / sqrt(3);
-  double local[8][3], J[3][3] = {{0}}, I[3][3] = {{0}};
-  for (int c = 0; c < corners; c++)
-    for (int k = 0; k < d; k++) {
-      local[c][k] = 1;
-      for (int l = 0; l < d; l++) {
-        const double side = c >> l & 1 ? 1 : -1, xi = p >> l & 1 ? at : -at;
-        local[c][k] *= l == k ? side / 2 : (1 + side * xi) / 2;
-      }
-      for (int l = 0; l < d; l++)
-        J[k][l] += local[c][k] * x[d * c + l];
-    }
-  if (d == 2) J[2][2] = 1;
-  double det = 0;
-  for (int k = 0; k < 3; k++)
-    for (int l = 0; l < 3; l++) {
-      const int k1 = (k + 1) % 3, k2 = (k + 2) % 3, l1 = (l + 1) % 3, l2 = (l + 2) % 3;
-      I[l][k] = J[k1][l1] * J[k2][l2] - J[k1][l2] * J[k2][l1]; /* cofactors */
-      if (k == 0) det += J[0][l] * I[l][0];
-    }
-  for (int c = 0; c < corners; c++)
-    for (int k = 0; k < d; k++) {
-      dN[c][k] = 0;
-      for (int l = 0; l < d; l++)
-        dN[c][k] += I[k][l] * local[c][l] / det;
-    }
-  return fabs(det);
-}
-
-void box_element(int d, const double *x, double nu, double *A) {
-  const int corners = 1 << d, size = d * corners;
-  const double lambda = nu / ((1 + nu) * (1 - 2 * nu)), G = 1 / (2 * (1 + nu));
-  double dN[8][3];
-  memset(A, 0, (size_t)(size * size) * sizeof *A);
-  for (int p = 0; p < corners; p++) {
-    const double volume = element_gradients(d, x, p, dN);
-    for (int a = 0; a < corners; a++)
-      for (int b = 0; b < corners; b++) {
-        double dot = 0;
-        for (int k = 0; k < d; k++)
-          dot += dN[a][k] * dN[b][k];
-        for (int k = 0; k < d; k++)
-          for (int l = 0; l < d; l++)
-            A[d * a + k + size * (d * b + l)] +=
-                volume *
-                (lambda * dN[a][k] * dN[b][l] + G * (dN[a][l] * dN[b][k] + (k == l ? dot : 0)));
-      }
-  }
-}
+#include "solids.h"
 
 typedef struct grid {
   int d, back;  /* 1: clamped on the face above, 0: on x = 0 */
@@ -162,7 +110,7 @@ static int box_fill(box *b, const grid *g, double nu, double skew) {
   double x[24], Ke[24 * 24];
   for (int k = 0; k < d << d; k++)
     x[k] = k / d >> k % d & 1;
-  box_element(d, x, nu, Ke);
+  solids_stiffness(d, x, nu, Ke);
   memset(b, 0, sizeof *b);
   b->model.d = d;
   b->model.n = n;

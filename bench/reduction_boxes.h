@@ -29,8 +29,4 @@ void box_free(box *b);
 /* Returns |K x - b| / (|K||x|) in maximum norms, |K| by rows; NAN without memory. */
 double box_residual(const dls_model *model, const double *x, const double *b);
 
-/* Integrates the stiffness A (square, d 2^d) of a bilinear or trilinear element, E = 1, by Gauss's
- * 2^d points. x: 2^d corners, d each; bit l of a corner's number is its side in direction l. */
-void box_element(int d, const double *x, double nu, double *A);
-
 #endif

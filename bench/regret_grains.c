@@ -65,7 +65,7 @@ static void move_point(int d, double *H, const double *e) {
     by[i] = e[0] * F[1][i] + (d == 3 ? e[1] * F[2][i] : 0);
   for (int j = 0; j < d; j++) {
     double turn[3];
-    regret_cross(by, F[j], turn);
+    rigid_cross(by, F[j], turn);
     for (int l = d; l < n; l++)
       H[l + n * j] += k * turn[d == 2 ? 2 : l - 3];
   }
@@ -127,15 +127,8 @@ int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint
   const recipe *how = &recipes[k];
   const int fewer = size / how->points > 4 ? size / how->points : 4;
   if (rigid_create(&a->bodies, how->of, fewer, mu, seed)) return -1;
-  const int d = a->bodies.d, n = 3 * (d - 1), base = a->bodies.contact.nc;
-  const int nc = base * how->points;
-  const size_t contacts = (size_t)nc;
-  a->own.body = calloc(2 * contacts, sizeof *a->own.body);
-  a->own.H = calloc(2 * contacts * (size_t)(n * d), sizeof *a->own.H);
-  a->own.v = calloc((size_t)a->bodies.bodies * (size_t)n + 1, sizeof *a->own.v);
-  a->own.q = calloc(contacts * (size_t)d, sizeof *a->own.q);
-  a->own.mu = calloc(contacts, sizeof *a->own.mu);
-  if (!a->own.body || !a->own.H || !a->own.v || !a->own.q || !a->own.mu) return -1;
+  const int d = a->bodies.d, base = a->bodies.contact.nc, nc = base * how->points;
+  if (rigid_room(&a->own, d, a->bodies.bodies, nc)) return -1;
   for (int c = 0; c < base; c++) {
     const double angle[2] = {how->tilt * bench_draw(&state), how->tilt * bench_draw(&state)};
     const double first = 3.14159265358979 * bench_draw(&state);
@@ -149,5 +142,7 @@ int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint
   }
   if (how->stretch > 0) stretch_bodies(a, nc, how->stretch, seed);
   set_in_motion(a, how, nc, &state);
-  return regret_assemble(a, d, nc, a->bodies.bodies);
+  if (rigid_assemble(&a->own)) return -1;
+  a->contact = a->own.contact;
+  return 0;
 }

@@ -127,28 +127,3 @@ uint64_t regret_state(uint64_t seed, uint64_t salt) {
   z = (z ^ z >> 27) * 0x94D049BB133111EBu;
   return z ^ z >> 31;
 }
-
-void regret_cross(const double *a, const double *b, double *c) {
-  for (int i = 0; i < 3; i++)
-    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-int regret_assemble(regret_problem *a, int d, int nc, int bodies) {
-  const int n = 3 * (d - 1);
-  int count = 0;
-  for (int k = 0; k < 2 * nc; k++)
-    for (int i = 0; i < d && a->own.body[k] >= 0; i++)
-      for (int l = 0; l < n; l++)
-        a->own.q[d * (k / 2) + i] += a->own.H[(size_t)(k * d + i) * (size_t)n + (size_t)l] *
-                                     a->own.v[(size_t)a->own.body[k] * (size_t)n + (size_t)l];
-  dls_contact factored = {.d = d, .nc = nc, .q = a->own.q, .mu = a->own.mu};
-  factored.bodies = (dls_bodies){n, bodies, a->own.body, a->own.H, NULL};
-  if (dls_bodies_count(&factored, &count, NULL)) return -1;
-  a->own.p = calloc((size_t)nc + 1, sizeof *a->own.p);
-  a->own.i = calloc((size_t)count + 1, sizeof *a->own.i);
-  a->own.x = calloc((size_t)count * (size_t)(d * d) + 1, sizeof *a->own.x);
-  if (!a->own.p || !a->own.i || !a->own.x) return -1;
-  a->contact = (dls_contact){.d = d, .nc = nc, .q = a->own.q, .mu = a->own.mu};
-  return dls_blocks_from_bodies(&factored, a->own.p, a->own.i, a->own.x, &a->contact.Wb, NULL) ? -1
-                                                                                               : 0;
-}

@@ -102,27 +102,4 @@ int regret_planted(regret_problem *a, int d, int nc, double condition, double mu
  * tangential forces. Boussinesq's and Cerruti's solutions. */
 void regret_half_space(double x, double y, double a, double *B);
 
-/* Bodies and contacts while they are put up. root: M^-1/2, n a body; middle: 3 a body. */
-typedef struct yard {
-  regret_problem *a;
-  int d, n, bodies, contacts, most_bodies, most_contacts;
-  double mu, *root, *middle;
-  uint64_t state;
-} yard;
-
-/* Makes room for so many bodies and contacts; adds a body, and returns its number (inertia: 3, or 1
- * for d = 2; v: n, velocities, then turning); adds a contact of a on b (-1: fixed) at x, the unit
- * normal points to a; makes the problem, W by blocks. open, close: 0, or -1 without memory; close
- * after a failed open, too. */
-int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts);
-int yard_body(yard *y, const double *middle, double mass, const double *inertia, const double *v);
-void yard_touch(yard *y, int a, int b, const double *x, const double *normal);
-int yard_close(yard *y);
-
-/* c := a x b. */
-void regret_cross(const double *a, const double *b, double *c);
-
-/* Sets q += H^T v and W by blocks of a->own: body, H, v, mu. q: zeros, or an addition to it. */
-int regret_assemble(regret_problem *a, int d, int nc, int bodies);
-
 #endif

@@ -323,62 +323,19 @@ int scenes_cubes_of(double nu, unsigned seed, scene_fn visit, void *data) {
 
 /* ---- walls ----------------------------------------------------------------------------------- */
 
-static const double length = 2, height = 1;
-
-/* Lays the bricks of a row from left to right. */
-static void lay_row(yard *y, int row, int width) {
-  const int half = row % 2, count = width + half;
-  for (int i = 0; i < count; i++) {
-    const int cut = half && (i == 0 || i == count - 1);
-    const double w = cut ? length / 2 : length, mass = w * height;
-    const double left = i == 0 ? 0 : length * i - (half ? length / 2 : 0);
-    const double inertia = mass * (w * w + height * height) / 12, still[3] = {0};
-    const double middle[3] = {left + w / 2, height * (row + 0.5), 0};
-    (void)yard_body(y, middle, mass, &inertia, still);
-  }
-}
-
-/* Lays two candidates on every stretch, half a brick long, where a brick of this row stands on one
- * below or on the floor. */
-static void touch_row(yard *y, int row, int width, int first, int below) {
-  const int stretches = row ? 2 * width : width;
-  const double w = row ? length / 2 : length, up[3] = {0, 1, 0};
-  for (int i = 0; i < stretches; i++) {
-    const int even = i / 2, odd = (i + 1) / 2; /* the brick over stretch i of an even, an odd row */
-    const int upper = first + (!row ? i : row % 2 ? odd : even);
-    const int lower = !row ? -1 : below + (row % 2 ? even : odd);
-    for (int end = 0; end < 2; end++) {
-      const double x[3] = {w * (i + end), height * row, 0};
-      yard_touch(y, upper, lower, x, up);
-    }
-  }
-}
-
 static int visit_wall(int full, int rows, int width, scene_fn visit, void *data) {
   static const double mus[] = {0.3, 1, 8, 0.6, 3}, pushes[] = {0, 0.3};
-  regret_problem a = {0};
-  yard y = {0};
-  int bad = yard_open(&y, &a, 2, rows * (width + 1), 2 * rows * 2 * width), below = 0;
-  for (int row = 0; row < rows && !bad; row++) {
-    const int first = y.bodies;
-    lay_row(&y, row, width);
-    touch_row(&y, row, width, first, below);
-    below = first;
-  }
-  bad = bad || yard_close(&y);
-  for (int k = 0; k < (full ? 10 : 6) && !bad; k++) {
-    const double push = pushes[k / (full ? 5 : 3)], mu = mus[k % (full ? 5 : 3)];
-    for (int c = 0; c < a.contact.nc; c++) { /* only the floor does not fall */
-      a.own.q[2 * c] = a.own.body[2 * c + 1] < 0 ? -1 : 0;
-      a.own.q[2 * c + 1] = a.own.body[2 * c + 1] < 0 ? push : 0;
-      a.own.mu[c] = mu;
-    }
+  const int count = full ? all_frictions : 3;
+  for (int k = 0; k < 2 * count; k++) {
+    const double push = pushes[k / count], mu = mus[k % count];
+    rigid a;
+    if (rigid_wall(&a, rows, width, push, mu)) return out_of_memory();
     scene s = {.set = "wall", .contact = a.contact};
     snprintf(s.name, sizeof s.name, "wall-%dx%d-push%g-mu%g", rows, width, push, mu);
     visit(data, &s);
+    rigid_free(&a);
   }
-  regret_free(&a);
-  return bad ? out_of_memory() : 0;
+  return 0;
 }
 
 int scenes_walls(int full, scene_fn visit, void *data) {

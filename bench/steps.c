@@ -38,27 +38,26 @@ typedef struct box {
 /* Makes a box of random sides on the plane, at rest, sliding or tumbling, after a step of
  * gravity. */
 static void box_make(box *b, int kind) {
-  static const double middle[3] = {0}, up[3] = {0, 0, 1};
   const double a[3] = {1 + .5 * steps_draw(), 1 + .5 * steps_draw(), 1 + .5 * steps_draw()};
-  double inertia[3], v[6] = {0, 0, -.1, 0, 0, 0};
-  regret_problem made = {0};
-  yard y = {.mu = .5};
+  solid one = {.mass = 1, .v = {0, 0, -.1}};
+  rigid made;
+  heap h = {.d = 3};
   for (int i = 0; i < 3; i++) {
     const double s = a[(i + 1) % 3], t = a[(i + 2) % 3];
-    inertia[i] = (s * s + t * t) / 3;
-    v[i] += kind == 1 && i < 2 ? .3 * steps_draw() : kind == 2 ? .1 * steps_draw() : 0;
-    v[3 + i] += kind == 2 ? .1 * steps_draw() : 0;
+    one.inertia[i] = (s * s + t * t) / 3;
+    one.v[i] += kind == 1 && i < 2 ? .3 * steps_draw() : kind == 2 ? .1 * steps_draw() : 0;
+    one.spin[i] = kind == 2 ? .1 * steps_draw() : 0;
   }
-  if (yard_open(&y, &made, 3, 1, corners)) exit(1);
-  (void)yard_body(&y, middle, 1, inertia, v);
+  (void)heap_add_body(&h, one);
   for (int c = 0; c < corners; c++) {
-    const double x[3] = {c % 2 ? a[0] : -a[0], c / 2 ? a[1] : -a[1], -a[2]};
-    yard_touch(&y, 0, -1, x, up);
+    const double x = c % 2 ? a[0] : -a[0], y = c / 2 ? a[1] : -a[1];
+    heap_touch(&h, (place){.b = -1, .x = {x, y, -a[2]}, .normal = {0, 0, 1}});
     b->mu[c] = .5;
   }
-  if (yard_close(&y) || dls_blocks_to_dense(&made.contact.Wb, b->W, box_rows, NULL)) exit(1);
+  if (rigid_close(&made, &h, .5) || dls_blocks_to_dense(&made.contact.Wb, b->W, box_rows, NULL))
+    exit(1);
   memcpy(b->q, made.contact.q, sizeof b->q);
-  regret_free(&made);
+  rigid_free(&made);
 }
 
 static dls_contact box_contact(const box *b) {

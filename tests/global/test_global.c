@@ -592,6 +592,9 @@ TEST(warm_and_update) {
   memcpy(x, A.x, (size_t)A.n * sizeof *x);
   ck_assert_int_eq(dls_global_solve(A.global, T.f, T.g, A.mu, &limits, r, x, &info, NULL), DLS_OK);
   ck_assert_int_eq(info.iterations, 0);
+  memcpy(r, A.r, (size_t)A.m * sizeof *r);
+  memcpy(x, A.x, (size_t)A.n * sizeof *x); /* without info no step improves them */
+  ck_assert_int_eq(dls_global_solve(A.global, T.f, T.g, A.mu, &limits, r, x, NULL, NULL), DLS_OK);
   ck_assert_mem_eq(x, A.x, (size_t)A.n * sizeof *x);
   for (int j = 0; j < A.n; j++)
     T.f[j] *= 1 + 1e-6 * (j % 3);

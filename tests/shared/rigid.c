@@ -5,29 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A body: axes along x, y, z. d = 2: in the plane x, y; the last inertia alone counts. */
-typedef struct solid {
-  double x[3], v[3], spin[3]; /* middle, velocity, angular velocity */
-  double mass, inertia[3];
-} solid;
-
-/* A place where body a may touch body b (-1: fixed); normal from b to a, unit. */
-typedef struct place {
-  int a, b;
-  double x[3], normal[3];
-} place;
-
-typedef struct heap {
-  int d, bodies, places, most_bodies, most_places, bad;
-  solid *body;
-  place *at;
-  uint64_t state;
-} heap;
-
-/* Returns a number in (-1, 1). */
-static double heap_random(heap *h) {
+double heap_random(heap *h) {
   h->state = h->state * 6364136223846793005u + 1442695040888963407u;
   return (double)(h->state >> 11) * 0x1p-52 - 1;
+}
+
+void rigid_cross(const double *a, const double *b, double *c) {
+  for (int i = 0; i < 3; i++)
+    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 /* Returns memory for one more entry of an array, twice as large where it is full. */
@@ -43,16 +28,34 @@ static void *heap_room(heap *h, void *array, int count, int *most, size_t size) 
   return larger;
 }
 
-static int heap_add_body(heap *h, solid body) {
+int heap_add_body(heap *h, solid body) {
   h->body = heap_room(h, h->body, h->bodies, &h->most_bodies, sizeof body);
   if (h->bad) return -1;
   h->body[h->bodies] = body;
   return h->bodies++;
 }
 
-static void heap_touch(heap *h, place at) {
+void heap_touch(heap *h, place at) {
   h->at = heap_room(h, h->at, h->places, &h->most_places, sizeof at);
   if (!h->bad) h->at[h->places++] = at;
+}
+
+int heap_body(heap *h, const double *middle, double mass, const double *inertia, const double *v) {
+  solid s = {.mass = mass};
+  memcpy(s.x, middle, sizeof s.x);
+  memcpy(s.v, v, (size_t)h->d * sizeof *v);
+  for (int i = h->d == 2 ? 2 : 0, l = 0; i < 3; i++, l++) {
+    s.inertia[i] = inertia[l];
+    s.spin[i] = v[h->d + l];
+  }
+  return heap_add_body(h, s);
+}
+
+void heap_contact(heap *h, int a, int b, const double *x, const double *normal) {
+  place at = {.a = a, .b = b};
+  memcpy(at.x, x, sizeof at.x);
+  memcpy(at.normal, normal, sizeof at.normal);
+  heap_touch(h, at);
 }
 
 /* ---- kinds ----------------------------------------------------------------------------------- */
@@ -339,14 +342,13 @@ static void touch_along(heap *h, int a, int b, double from, double to, double y)
                           .normal = {0, 1, 0}});
 }
 
-/* A wall half as high in bricks as it is wide; 2 (d - 1) candidates an overlap. */
-static void make_wall(heap *h, int d, int candidates, int random, double push) {
+/* Rows of bricks from 0 to `width`; 2 (d - 1) candidates an overlap. */
+static void make_wall(heap *h, int d, int rows, int width, int random, double push) {
   h->d = d;
-  const int bricks = (int)fmax(2, round(sqrt(candidates / (4. * (d - 1))))), width = 2 * bricks;
   double *edge = calloc(2 * (2 * (size_t)width + 2), sizeof *edge);
   double *lower = edge, *upper = edge ? edge + 2 * width + 2 : NULL;
   h->bad |= !edge;
-  for (int row = 0, first = 0, below = 0, under = 0; row < bricks && !h->bad; row++) {
+  for (int row = 0, first = 0, below = 0, under = 0; row < rows && !h->bad; row++) {
     const int count = lay_row(h, row, width, random, upper);
     for (int i = 0; i < count; i++) {
       if (row == 0) touch_along(h, first + i, -1, upper[i], upper[i + 1], 0);
@@ -449,7 +451,7 @@ static void make_tower(heap *h, int candidates) {
 /* Computes the rows n, t (, s) of the velocity of body b at a place, for its motions times
  * M^1/2. H: n x d, their transpose, column-major. */
 static void rigid_rows(int d, const place *at, const solid *b, double sign, double *H) {
-  double frame[3][3] = {{0}}, arm[3];
+  double frame[3][3] = {{0}}, arm[3], turn[3];
   memcpy(frame[0], at->normal, sizeof frame[0]);
   const double *n = frame[0];
   if (d == 2) {
@@ -464,19 +466,16 @@ static void rigid_rows(int d, const place *at, const solid *b, double sign, doub
     }
     for (int i = 0; i < 3; i++)
       frame[1][i] /= sqrt(length);
-    for (int i = 0; i < 3; i++)
-      frame[2][i] = n[(i + 1) % 3] * frame[1][(i + 2) % 3] - n[(i + 2) % 3] * frame[1][(i + 1) % 3];
+    rigid_cross(n, frame[1], frame[2]);
   }
   for (int i = 0; i < 3; i++)
     arm[i] = at->x[i] - b->x[i];
   for (int r = 0; r < d; r++, H += 3 * (d - 1)) {
-    const double *e = frame[r];
+    rigid_cross(arm, frame[r], turn);
     for (int i = 0; i < d; i++)
-      H[i] = sign * e[i] / sqrt(b->mass);
+      H[i] = sign * frame[r][i] / sqrt(b->mass);
     for (int i = d == 2 ? 2 : 0; i < 3; i++)
-      H[d == 2 ? 2 : 3 + i] =
-          sign * (arm[(i + 1) % 3] * e[(i + 2) % 3] - arm[(i + 2) % 3] * e[(i + 1) % 3]) /
-          sqrt(b->inertia[i]);
+      H[d == 2 ? 2 : 3 + i] = sign * turn[i] / sqrt(b->inertia[i]);
   }
 }
 
@@ -532,22 +531,48 @@ static int rigid_blocks(rigid *a, const int *first, const int *list, int *seen) 
   return count;
 }
 
+int rigid_room(rigid *a, int d, int bodies, int nc) {
+  const size_t n = (size_t)(3 * (d - 1)), b = (size_t)bodies, candidates = (size_t)nc;
+  *a = (rigid){.d = d, .bodies = bodies, .contact = {.d = d, .nc = nc}};
+  a->body = calloc(2 * candidates, sizeof *a->body);
+  a->H = calloc(2 * candidates * n * (size_t)d, sizeof *a->H);
+  a->v = calloc(b * n, sizeof *a->v);
+  a->q = calloc((size_t)d * candidates, sizeof *a->q);
+  a->mu = calloc(candidates, sizeof *a->mu);
+  return a->body && a->H && a->v && a->q && a->mu ? 0 : -1;
+}
+
+int rigid_assemble(rigid *a) {
+  const int d = a->d, n = 3 * (d - 1), nc = a->contact.nc;
+  for (int k = 0; k < 2 * nc; k++)
+    for (int l = 0; l < n && a->body[k] >= 0; l++)
+      for (int i = 0; i < d; i++)
+        a->q[d * (k / 2) + i] += a->H[(size_t)(k * d + i) * (size_t)n + (size_t)l] *
+                                 a->v[(size_t)a->body[k] * (size_t)n + (size_t)l];
+  const size_t candidates = (size_t)nc, bodies = (size_t)a->bodies;
+  a->p = calloc(candidates + 1, sizeof *a->p);
+  int *first = calloc(bodies + 1 + 3 * candidates, sizeof *first);
+  if (a->p && first) {
+    int *list = first + bodies + 1, *seen = list + 2 * candidates;
+    rigid_list(a, first, list);
+    const size_t count = (size_t)rigid_blocks(a, first, list, seen);
+    a->i = calloc(count, sizeof *a->i);
+    a->x = calloc(count * (size_t)(d * d), sizeof *a->x);
+    if (a->i && a->x) (void)rigid_blocks(a, first, list, seen);
+  }
+  free(first);
+  a->contact = (dls_contact){.d = d, .nc = nc, .q = a->q, .mu = a->mu};
+  a->factored = a->contact;
+  a->contact.Wb = (dls_blocks){d, nc, a->p, a->i, a->x};
+  a->factored.bodies = (dls_bodies){n, a->bodies, a->body, a->H, NULL};
+  return a->i && a->x ? 0 : -1;
+}
+
 /* Fills the arrays of a from the heap. Returns 0, or -1 without memory. */
 static int rigid_fill(rigid *a, const heap *h, double mu) {
-  const int d = h->d, n = 3 * (d - 1), nc = h->places;
-  const size_t candidates = (size_t)nc, size = (size_t)(d * n), m = (size_t)d * candidates;
-  *a = (rigid){.d = d, .bodies = h->bodies};
-  a->contact = (dls_contact){.d = d, .nc = nc};
-  a->body = calloc(2 * candidates, sizeof *a->body);
-  a->H = calloc(2 * candidates * size, sizeof *a->H);
-  a->v = calloc((size_t)h->bodies * (size_t)n, sizeof *a->v);
-  a->p = calloc(candidates + 1, sizeof *a->p);
-  a->q = calloc(m, sizeof *a->q);
-  a->mu = calloc(candidates, sizeof *a->mu);
-  int *first = calloc((size_t)h->bodies + 1, sizeof *first);
-  int *list = calloc(2 * candidates, sizeof *list), *seen = calloc(candidates, sizeof *seen);
-  int bad = !a->body || !a->H || !a->v || !a->p || !a->q || !a->mu || !first || !list || !seen;
-  for (int b = 0; !bad && b < h->bodies; b++) {
+  const int d = h->d, n = 3 * (d - 1);
+  if (rigid_room(a, d, h->bodies, h->places)) return -1;
+  for (int b = 0; b < h->bodies; b++) {
     const solid *s = &h->body[b];
     double *v = a->v + b * n;
     for (int i = 0; i < d; i++)
@@ -555,37 +580,21 @@ static int rigid_fill(rigid *a, const heap *h, double mu) {
     for (int i = d == 2 ? 2 : 0; i < 3; i++)
       v[d == 2 ? 2 : 3 + i] = sqrt(s->inertia[i]) * s->spin[i];
   }
-  for (int c = 0; !bad && c < nc; c++) {
-    const place *at = &h->at[c];
-    a->mu[c] = mu;
-    for (int side = 0; side < 2; side++) {
-      const int b = a->body[2 * c + side] = side ? at->b : at->a;
-      double *H = a->H + (size_t)(2 * c + side) * size;
-      if (b < 0) continue;
-      rigid_rows(d, at, &h->body[b], side ? -1 : 1, H);
-      for (int l = 0; l < n; l++)
-        for (int i = 0; i < d; i++)
-          a->q[d * c + i] += H[l + n * i] * a->v[b * n + l];
-    }
+  for (int k = 0; k < 2 * h->places; k++) {
+    const place *at = &h->at[k / 2];
+    const int b = a->body[k] = k % 2 ? at->b : at->a;
+    a->mu[k / 2] = mu;
+    if (b >= 0) rigid_rows(d, at, &h->body[b], k % 2 ? -1 : 1, a->H + (size_t)k * (size_t)(d * n));
   }
-  if (!bad) {
-    rigid_list(a, first, list);
-    const size_t count = (size_t)rigid_blocks(a, first, list, seen);
-    a->i = calloc(count, sizeof *a->i);
-    a->x = calloc(count * (size_t)(d * d), sizeof *a->x);
-    bad = !a->i || !a->x;
-    if (!bad) (void)rigid_blocks(a, first, list, seen);
-  }
-  free(first);
-  free(list);
-  free(seen);
-  a->contact.Wb = (dls_blocks){d, nc, a->p, a->i, a->x};
-  a->contact.q = a->q;
-  a->contact.mu = a->mu;
-  a->factored = a->contact;
-  a->factored.Wb = (dls_blocks){0};
-  a->factored.bodies = (dls_bodies){n, a->bodies, a->body, a->H, NULL};
-  return bad ? -1 : 0;
+  return rigid_assemble(a);
+}
+
+int rigid_close(rigid *a, heap *h, double mu) {
+  const int bad = h->bad || h->places == 0 || rigid_fill(a, h, mu) ? -1 : 0;
+  if (bad) rigid_free(a);
+  free(h->body);
+  free(h->at);
+  return bad;
 }
 
 void rigid_free(rigid *a) {
@@ -620,7 +629,10 @@ int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t
   for (int warm = 0; warm < 8; warm++)
     (void)heap_random(&h);
   if (k < 2) make_packing(&h, candidates, k == 1);
-  if (k >= 2 && k < 8) make_wall(&h, k < 6 ? 2 : 3, candidates, k / 2 == 2, k % 2 ? 0.3 : 0);
+  if (k >= 2 && k < 8) { /* half as high in bricks as it is wide */
+    const int d = k < 6 ? 2 : 3, rows = (int)fmax(2, round(sqrt(candidates / (4. * (d - 1)))));
+    make_wall(&h, d, rows, 2 * rows, k / 2 == 2, k % 2 ? 0.3 : 0);
+  }
   if (k == 8 || k == 9) make_chain(&h, k - 6, candidates);
   if (k == 10 || k == 11) make_arch(&h, k - 8, candidates);
   if (k == 12) make_pile(&h, candidates);
@@ -629,10 +641,11 @@ int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t
   if (k >= 18 && k < listed_count) make_settled(&h, k - 16, candidates, 0, 1, 0);
   if (k >= listed_count && k < kind_count)
     make_settled(&h, k - listed_count + 2, candidates, 1, 0, 1);
-  int bad = h.bad || h.places == 0 ? -1 : 0;
-  if (!bad) bad = rigid_fill(a, &h, mu);
-  if (bad) rigid_free(a);
-  free(h.body);
-  free(h.at);
-  return bad;
+  return rigid_close(a, &h, mu);
+}
+
+int rigid_wall(rigid *a, int rows, int width, double push, double mu) {
+  heap h = {0};
+  make_wall(&h, 2, rows, 2 * width, 0, push);
+  return rigid_close(a, &h, mu);
 }

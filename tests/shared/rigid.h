@@ -44,6 +44,50 @@ typedef struct rigid {
 int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed);
 void rigid_free(rigid *a);
 
+/* Makes wall-pushed of so many rows, `width` bricks long, pushed by this velocity. */
+int rigid_wall(rigid *a, int rows, int width, double push, double mu);
+
+/* ---- other bodies ---------------------------------------------------------------------------- */
+
+/* A body: axes along x, y, z. d = 2: in the plane x, y; the last inertia alone counts. */
+typedef struct solid {
+  double x[3], v[3], spin[3]; /* middle, velocity, angular velocity */
+  double mass, inertia[3];
+} solid;
+
+/* A place where body a may touch body b (-1: fixed); normal from b to a, unit. */
+typedef struct place {
+  int a, b;
+  double x[3], normal[3];
+} place;
+
+/* Bodies and places while they are put up: set d and state first. bad: 1 without memory. */
+typedef struct heap {
+  int d, bodies, places, most_bodies, most_places, bad;
+  solid *body;
+  place *at;
+  double push; /* velocity along of what is pushed */
+  uint64_t state;
+} heap;
+
+/* Returns a number in (-1, 1). */
+double heap_random(heap *h);
+
+/* c := a x b. */
+void rigid_cross(const double *a, const double *b, double *c);
+
+/* Add a body, whose number is returned, or a place; heap_body with inertia (3, or 1 for d = 2) and
+ * v: velocity, then turning. rigid_close makes the problem and frees the heap: 0, or -1. */
+int heap_add_body(heap *h, solid body);
+int heap_body(heap *h, const double *middle, double mass, const double *inertia, const double *v);
+void heap_touch(heap *h, place at);
+void heap_contact(heap *h, int a, int b, const double *x, const double *normal);
+int rigid_close(rigid *a, heap *h, double mu);
+
+/* Allocates body, H, v, q, mu, all 0; forms q += H^T v and W by blocks of them. 0, or -1. */
+int rigid_room(rigid *a, int d, int bodies, int nc);
+int rigid_assemble(rigid *a);
+
 /* The kinds above but for the sizes, in that order; NULL past the last. */
 const char *rigid_kind(int index);
 

@@ -1,24 +1,28 @@
 /* solids.c: elastic solids and their contacts. */
 #include "solids.h"
 
-#include <check.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
+/* Ends the program without memory, or room. */
+static void need(int good) {
+  if (!good) abort();
+}
+
 void solids_new(solids *S, int d, int nodes, int contacts) {
   *S = (solids){.d = d};
-  const size_t near = d == 2 ? 4 * 36 : 8 * 300; /* entries of the elements around a node */
+  const size_t each = d == 2 ? 36 : 300; /* entries of an element; there are fewer than nodes */
   const int n = d * nodes;
-  ck_assert(!dlsi_triplets_alloc(n, n, near * (size_t)nodes + (size_t)n, &S->K, NULL));
+  need(!dlsi_triplets_alloc(n, n, each * (size_t)nodes + 2 * (size_t)n, &S->K, NULL));
   const size_t most = 18 * (size_t)contacts + 1;
-  ck_assert(!dlsi_triplets_alloc(n, contacts, most, &S->N, NULL));
-  ck_assert(!dlsi_triplets_alloc(n, (d - 1) * contacts, most, &S->T, NULL));
+  need(!dlsi_triplets_alloc(n, contacts, most, &S->N, NULL));
+  need(!dlsi_triplets_alloc(n, (d - 1) * contacts, most, &S->T, NULL));
   S->f = calloc((size_t)n, sizeof *S->f);
   S->g = calloc((size_t)(d * contacts) + 1, sizeof *S->g);
-  ck_assert(S->f && S->g);
+  need(S->f && S->g);
 }
 
 void solids_free(solids *S) {
@@ -32,58 +36,68 @@ void solids_free(solids *S) {
   free(S->g);
 }
 
-/* Adds the stiffness of one element. node: 2^d; x: its coordinates, d each; corner k has the bits
- * of k as its place. */
-static void add_element(solids *S, const int *node, const double *x, double stiff) {
-  const int d = S->d, corners = 1 << d, size = d * corners;
-  const double nu = .3, lambda = stiff * nu / ((1 + nu) * (1 - 2 * nu)), G = stiff / (2 * (1 + nu)),
-               at = 1 / sqrt(3);
-  double A[24][24] = {{0}};
-  for (int point = 0; point < corners; point++) {
-    double dN[8][3] = {{0}}, J[3][3] = {{0}}, I[3][3] = {{0}}, D[8][3] = {{0}};
-    for (int c = 0; c < corners; c++)
-      for (int k = 0; k < d; k++) {
-        double v = 1;
-        for (int l = 0; l < d; l++) {
-          const double s = c >> l & 1 ? 1 : -1, xi = point >> l & 1 ? at : -at;
-          v *= l == k ? s / 2 : (1 + s * xi) / 2;
-        }
-        dN[c][k] = v;
-        for (int l = 0; l < d; l++)
-          J[k][l] += v * x[d * c + l];
+/* Gives dN/dx (corners x d) at point p of the element with corners x, and returns the volume that
+ * belongs to it. Bit l of a corner's or point's number is its side in direction l. */
+static double element_gradients(int d, const double *x, int p, double (*dN)[3]) {
+  const int corners = 1 << d;
+  const double at = 1 / sqrt(3);
+  double local[8][3], J[3][3] = {{0}}, I[3][3] = {{0}};
+  for (int c = 0; c < corners; c++)
+    for (int k = 0; k < d; k++) {
+      local[c][k] = 1;
+      for (int l = 0; l < d; l++) {
+        const double side = c >> l & 1 ? 1 : -1, xi = p >> l & 1 ? at : -at;
+        local[c][k] *= l == k ? side / 2 : (1 + side * xi) / 2;
       }
-    double det;
-    if (d == 2) {
-      det = J[0][0] * J[1][1] - J[0][1] * J[1][0];
-      I[0][0] = J[1][1] / det;
-      I[1][1] = J[0][0] / det;
-      I[0][1] = -J[0][1] / det;
-      I[1][0] = -J[1][0] / det;
-    } else {
-      det = J[0][0] * J[1][1] * J[2][2]; /* boxes along the axes */
-      for (int k = 0; k < 3; k++)
-        I[k][k] = 1 / J[k][k];
+      for (int l = 0; l < d; l++)
+        J[k][l] += local[c][k] * x[d * c + l];
     }
-    ck_assert(det > 0);
-    for (int c = 0; c < corners; c++)
-      for (int k = 0; k < d; k++)
-        for (int l = 0; l < d; l++)
-          D[c][k] += I[k][l] * dN[c][l];
+  if (d == 2) J[2][2] = 1;
+  double det = 0;
+  for (int k = 0; k < 3; k++)
+    for (int l = 0; l < 3; l++) {
+      const int k1 = (k + 1) % 3, k2 = (k + 2) % 3, l1 = (l + 1) % 3, l2 = (l + 2) % 3;
+      I[l][k] = J[k1][l1] * J[k2][l2] - J[k1][l2] * J[k2][l1]; /* cofactors */
+      if (k == 0) det += J[0][l] * I[l][0];
+    }
+  for (int c = 0; c < corners; c++)
+    for (int k = 0; k < d; k++) {
+      dN[c][k] = 0;
+      for (int l = 0; l < d; l++)
+        dN[c][k] += I[k][l] * local[c][l] / det;
+    }
+  return fabs(det);
+}
+
+void solids_stiffness(int d, const double *x, double nu, double *A) {
+  const int corners = 1 << d, size = d * corners;
+  const double lambda = nu / ((1 + nu) * (1 - 2 * nu)), G = 1 / (2 * (1 + nu));
+  double dN[8][3];
+  memset(A, 0, (size_t)(size * size) * sizeof *A);
+  for (int p = 0; p < corners; p++) {
+    const double volume = element_gradients(d, x, p, dN);
     for (int a = 0; a < corners; a++)
       for (int b = 0; b < corners; b++) {
         double dot = 0;
         for (int k = 0; k < d; k++)
-          dot += D[a][k] * D[b][k];
+          dot += dN[a][k] * dN[b][k];
         for (int k = 0; k < d; k++)
           for (int l = 0; l < d; l++)
-            A[d * a + k][d * b + l] +=
-                det * (lambda * D[a][k] * D[b][l] + G * D[a][l] * D[b][k] + (k == l ? G * dot : 0));
+            A[d * a + k + size * (d * b + l)] +=
+                volume *
+                (lambda * dN[a][k] * dN[b][l] + G * (dN[a][l] * dN[b][k] + (k == l ? dot : 0)));
       }
   }
-  for (int i = 0; i < size; i++)
-    for (int j = 0; j < size; j++) {
-      const int p = d * node[i / d] + i % d, q = d * node[j / d] + j % d;
-      if (p >= q) dlsi_triplets_add(&S->K, p, q, A[i][j]);
+}
+
+void solids_element(solids *S, const int *node, const double *x, double stiff) {
+  const int d = S->d, size = d << d;
+  double A[24 * 24];
+  solids_stiffness(d, x, .3, A);
+  for (int a = 0; a < size; a++)
+    for (int b = 0; b < size; b++) {
+      const int i = d * node[a / d] + a % d, j = d * node[b / d] + b % d;
+      if (i >= j) dlsi_triplets_add(&S->K, i, j, stiff * A[a + size * b]);
     }
 }
 
@@ -91,7 +105,7 @@ static int add_block(solids *S, const int count[3], const double *x, double stif
   const int d = S->d, corners = 1 << d, first = S->nodes;
   const int nx = count[0], ny = count[1], nz = d == 3 ? count[2] : 1;
   S->nodes += (nx + 1) * (ny + 1) * (d == 3 ? nz + 1 : 1);
-  ck_assert_int_le(d * S->nodes, S->K.rows);
+  need(d * S->nodes <= S->K.rows);
   for (int k = 0; k < nz; k++)
     for (int j = 0; j < ny; j++)
       for (int i = 0; i < nx; i++) {
@@ -104,7 +118,7 @@ static int add_block(solids *S, const int count[3], const double *x, double stif
           for (int l = 0; l < d; l++)
             at[d * c + l] = x ? x[d * local + l] : p[l];
         }
-        add_element(S, node, at, stiff);
+        solids_element(S, node, at, stiff);
       }
   return first;
 }
@@ -122,6 +136,11 @@ void solids_spring(solids *S, int node, int k, double stiffness) {
 }
 
 void solids_contact(solids *S, int node, int other, const double *normal, double gap) {
+  solids_contact_on(S, node, other >= 0, &other, (double[]){1}, normal, gap);
+}
+
+void solids_contact_on(solids *S, int node, int count, const int *other, const double *part,
+                       const double *normal, double gap) {
   const int d = S->d, c = S->contacts++;
   double e[3][3] = {{0}};
   memcpy(e[0], normal, (size_t)d * sizeof *normal);
@@ -129,16 +148,16 @@ void solids_contact(solids *S, int node, int other, const double *normal, double
     e[1][0] = normal[1];
     e[1][1] = -normal[0];
   } else {
-    const int k = fabs(normal[0]) < .8 ? 0 : 1; /* the axis to make the first tangent of */
+    const int k = fabs(e[0][0]) < .8 ? 0 : 1; /* the axis to make the first tangent of */
     double length = 0;
     for (int i = 0; i < 3; i++) {
-      e[1][i] = (i == k) - normal[k] * normal[i];
+      e[1][i] = (i == k) - e[0][k] * e[0][i];
       length += e[1][i] * e[1][i];
     }
     for (int i = 0; i < 3; i++)
       e[1][i] /= sqrt(length);
     for (int i = 0; i < 3; i++)
-      e[2][i] = normal[(i + 1) % 3] * e[1][(i + 2) % 3] - normal[(i + 2) % 3] * e[1][(i + 1) % 3];
+      e[2][i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
   }
   for (int i = 0; i < d; i++)
     for (int k = 0; k < d; k++) {
@@ -146,7 +165,8 @@ void solids_contact(solids *S, int node, int other, const double *normal, double
       const int column = i ? (d - 1) * c + i - 1 : c;
       if (e[i][k] == 0) continue;
       dlsi_triplets_add(t, d * node + k, column, e[i][k]);
-      if (other >= 0) dlsi_triplets_add(t, d * other + k, column, -e[i][k]);
+      for (int o = 0; o < count; o++)
+        if (part[o] != 0) dlsi_triplets_add(t, d * other[o] + k, column, -part[o] * e[i][k]);
     }
   S->g[d * c] = gap;
 }
@@ -159,9 +179,9 @@ const dls_model *solids_model(solids *S) {
   dlsi_columns_free(&S->Kc); /* of an earlier call */
   dlsi_columns_free(&S->Nc);
   dlsi_columns_free(&S->Tc);
-  ck_assert(!dlsi_columns_compress(&S->K, 1, DLSI_ALL, &S->Kc, NULL));
-  ck_assert(!dlsi_columns_compress(&S->N, 1, DLSI_ALL, &S->Nc, NULL));
-  ck_assert(!dlsi_columns_compress(&S->T, 1, DLSI_ALL, &S->Tc, NULL));
+  need(!dlsi_columns_compress(&S->K, 1, DLSI_ALL, &S->Kc, NULL));
+  need(!dlsi_columns_compress(&S->N, 1, DLSI_ALL, &S->Nc, NULL));
+  need(!dlsi_columns_compress(&S->T, 1, DLSI_ALL, &S->Tc, NULL));
   S->model = (dls_model){.d = S->d,
                          .n = n,
                          .nodes = S->contacts,
@@ -174,60 +194,6 @@ const dls_model *solids_model(solids *S) {
 }
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
-
-void solids_pad(solids *S, int nx, int ny) {
-  solids_new(S, 2, (nx + 1) * (ny + 1), nx);
-  solids_block(S, (int[]){nx, ny, 1}, 1);
-  for (int j = 0; j <= ny; j++)
-    for (int k = 0; k < 2; k++)
-      solids_spring(S, nx + (nx + 1) * j, k, 1e3);
-  for (int i = 0; i <= nx; i++) {
-    const int top = i + (nx + 1) * ny;
-    const double s = (double)i / nx, wave = sin(11 * pi * s);
-    solids_spring(S, top, 0, .05);
-    solids_spring(S, top, 1, .05);
-    S->f[2 * top] = 2.5e-3 * sin(9 * pi * s);
-    S->f[2 * top + 1] =
-        wave > -.6 ? -1e-2 * (1 + .5 * cos(40 * s) * (sin(7 * s) > 0 ? 1 : -1)) : 8e-3;
-    if (i < nx) solids_contact(S, i, -1, (double[]){0, 1}, 0);
-  }
-  (void)solids_model(S);
-}
-
-void solids_plate(solids *S, int nx, int nz) {
-  const int layer = (nx + 1) * (nx + 1);
-  solids_new(S, 3, layer * (nz + 1), layer);
-  solids_block(S, (int[]){nx, nx, nz}, 1);
-  for (int i = 0; i <= nx; i++)
-    for (int j = 0; j <= nx; j++) {
-      const int bottom = i + (nx + 1) * j, top = bottom + layer * nz;
-      const double x = (double)i / nx, y = (double)j / nx;
-      for (int k = 0; k < 3; k++)
-        solids_spring(S, top, k, .05);
-      S->f[3 * top] = 2.5e-3 * sin(8 * x + 3 * y);
-      S->f[3 * top + 1] = 2e-3 * cos(6 * x - 7 * y);
-      S->f[3 * top + 2] =
-          -1e-2 * (1 + .5 * cos(13 * x + 7 * y)) + (sin(9 * x - 5 * y) < -.55 ? 1.8e-2 : 0);
-      solids_contact(S, bottom, -1, (double[]){0, 0, 1}, 0);
-    }
-  (void)solids_model(S);
-}
-
-void solids_strip(solids *S, int nx, int ny) {
-  solids_new(S, 2, (nx + 1) * (ny + 1), nx);
-  solids_block(S, (int[]){nx, ny, 1}, 1);
-  for (int j = 0; j <= ny; j++)
-    for (int k = 0; k < 2; k++)
-      solids_spring(S, (nx + 1) * j, k, 1e3);
-  for (int i = 0; i <= nx; i++) {
-    const int top = i + (nx + 1) * ny;
-    const double s = (double)i / nx;
-    S->f[2 * top] = 2.5e-3 * sin(28 * s);
-    S->f[2 * top + 1] = -1e-2 * (1 + .5 * cos(40 * s)) + (sin(34 * s) < -.6 ? 1.8e-2 : 0);
-    if (i > 0) solids_contact(S, i, -1, (double[]){0, 1}, 0);
-  }
-  (void)solids_model(S);
-}
 
 void solids_stack(solids *S, int d, int count, int side, double push) {
   const int sides[3] = {side, side, side}, across = d == 2 ? side + 1 : (side + 1) * (side + 1);

@@ -29,6 +29,12 @@ int solids_block(solids *S, const int count[3], double stiff);
 /* Adds a block whose node (i, j) stands at x[2 (i + (nx+1) j)], .. (d = 2). */
 int solids_mapped(solids *S, const int count[3], const double *x, double stiff);
 
+/* Integrates the stiffness A (square, d 2^d) of a bilinear or trilinear element, E = 1, by Gauss's
+ * 2^d points. x: 2^d corners, d each; bit l of a corner's number is its side in direction l. Adds
+ * that of an element with these nodes, nu = .3, times `stiff`. */
+void solids_stiffness(int d, const double *x, double nu, double *A);
+void solids_element(solids *S, const int *node, const double *x, double stiff);
+
 /* Adds a spring to direction `k` of a node. */
 void solids_spring(solids *S, int node, int k, double stiffness);
 
@@ -36,16 +42,16 @@ void solids_spring(solids *S, int node, int k, double stiffness);
  * tangents follow. gap: along the normal. */
 void solids_contact(solids *S, int node, int other, const double *normal, double gap);
 
+/* Adds a contact of `node` with a place between `count` others, their shares in part. */
+void solids_contact_on(solids *S, int node, int count, const int *other, const double *part,
+                       const double *normal, double gap);
+
 /* Compresses and returns the model; again after more was added. */
 const dls_model *solids_model(solids *S);
 
-/* The strip of nx x ny squares on a rough floor, clamped at its right end, between soft pads:
- * pressed, sheared and lifted, every bottom node a contact. And the plate in 3D, n x n x nz. */
+/* surfaces.c: soft strip and plate, and a strip that hangs like a cantilever, lifted, seed 0. */
 void solids_pad(solids *S, int nx, int ny);
 void solids_plate(solids *S, int nx, int nz);
-
-/* A strip that hangs like a cantilever over a rough ground, nx x ny squares, lifted and pressed in
- * turn, every bottom node a contact. */
 void solids_strip(solids *S, int nx, int ny);
 
 /* A stack of `count` free blocks of side^d elements on the ground, each with a weight, pushed by

@@ -1,5 +1,5 @@
 /*
- * global_scenes.h: elastic bodies of bilinear quadrilaterals (plane strain) or trilinear hexahedra,
+ * surfaces.h: elastic bodies of bilinear quadrilaterals (plane strain) or trilinear hexahedra,
  * E = 1, nu = .3, whose contacts lie on a whole surface.
  *
  *   STRIP   nx x ny squares of side 1 on the ground               2D
@@ -11,11 +11,10 @@
  *   TUBE    nx elements around, ny along, nz across the wall, in an oval bore; the outer nodes
  *           touch                                                 3D
  */
-#ifndef GLOBAL_SCENES_H
-#define GLOBAL_SCENES_H
+#ifndef SURFACES_H
+#define SURFACES_H
 
-#include "contact/columns.h"
-#include "delassus/model.h"
+#include "solids.h"
 
 typedef enum scene_kind { STRIP, SHEETS, RIM, PLATE, TUBE, SCENE_KINDS } scene_kind;
 
@@ -36,17 +35,18 @@ typedef struct scene {
   int seed;    /* 0: the waves of the study; else drawn */
   int size[3]; /* elements; size[2] is 1 in 2D */
 
-  /* made by scene_create */
+  /* made by scene_create; f: n, g: d nc */
+  solids body;
   int d, n, nc;
-  dlsi_columns K, N, T;
-  double *f, *g; /* n; d nc */
+  const double *f, *g;
   dls_model model;
+  double wave[6]; /* factors of wave numbers, and phases, of the loads */
 } scene;
 
 extern const char *const scene_kind_name[], *const scene_support_name[], *const scene_load_name[];
 
-/* Makes the scene that its first fields name. Returns 0, or -1 without memory. */
-int scene_create(scene *S);
+/* Makes the scene that its first fields name. */
+void scene_create(scene *S);
 void scene_free(scene *S);
 
 #endif
