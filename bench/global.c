@@ -398,9 +398,10 @@ int main(int argc, char **argv) {
   FILE *page = bench_page(directory, "global", "The contact problem on K against W", argc, argv);
   FILE *csv = wanted >> WHERE & 1 ? bench_open(directory, "global.csv") : NULL;
   if (!page || (wanted >> WHERE & 1 && !csv)) return EXIT_FAILURE;
-  bench_print(page, "CPU seconds and peak memory of a child process, without the model; "
-                    "surfaces.h has the scenes. Each table has its command. One scene: "
-                    "`build/bench/global --scene strip soft lift 4000 4 1`.\n\n");
+  bench_print(page,
+              "CPU seconds and peak memory of a child process, without the model; "
+              "tests/shared/surfaces.h has the scenes. Each table has its command. One scene: "
+              "`build/bench/global --scene strip soft lift 4000 4 1`.\n\n");
   if (wanted & 1) table_peer(page);
   if (wanted >> 1 & 1) table_growth(page);
   if (wanted >> 2 & 1) table_tolerance(page);

@@ -6,10 +6,10 @@
  * skew with entries in 0.02 [-1, 1]; G and q have entries in [-1, 1]. M is positive definite, so
  * there is one solution; half of q is negative, which takes Lemke about n/2 pivots.
  *
- * Friction: a lining, the flat elastic box of nx x 8 squares (reduction_boxes.c), glued with its top
- * to a rigid back. Its nx + 1 bottom nodes are candidates to contact with a rigid wavy track, mu =
- * 0.3. The back is pushed down by `press` and along by `shear`. Without reactions the lining follows
- * its back as a rigid body, so that
+ * Friction: a lining, the flat elastic box of nx x 8 squares (reduction_boxes.c), glued with its
+ * top to a rigid back. Its nx + 1 bottom nodes are candidates to contact with a rigid wavy track,
+ * mu = 0.3. The back is pushed down by `press` and along by `shear`. Without reactions the lining
+ * follows its back as a rigid body, so that
  *
  *   q_n = wave(x) - press,   q_t = shear;      W = H^T K^-1 H,
  *
