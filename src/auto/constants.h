@@ -27,7 +27,6 @@ enum {                             /* unit      reason */
 enum {
   dlsi_auto_splits          = 200, /* ADMM, before Newton again or pivots: more cost more */
   dlsi_auto_few_pushes      = 200, /* momentum, few contacts: before pivots */
-  dlsi_auto_long_pushes     = 2000,/* momentum, few contacts: in all, before splitting */
   dlsi_auto_most_failures   = 5    /* failures that count: each doubles patience; a copy
                                       begins with so many */
 };

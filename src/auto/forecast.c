@@ -134,7 +134,7 @@ static int watch_push(void *data, const dls_progress *p) {
   const double ahead = (now - work->target) / work->rate;
   const double so_far = dlsi_auto_sweeps(work) + p->iteration;
   if (is_convex_due(work, so_far, ahead)) return end_as_costlier(work, ahead, dlsi_auto_ahead);
-  if (dlsi_auto_is_packing(work) && !dlsi_auto_has_augmented(work)) { /* (FC4) */
+  if (!dlsi_auto_has_augmented(work)) { /* (FC4) */
     const double turn = fmax(work->turn, dlsi_auto_cost_of_augmented(work));
     if (so_far >= turn && (ahead > 4 * turn || so_far >= 4 * turn)) {
       work->turn = turn;

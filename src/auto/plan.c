@@ -219,15 +219,12 @@ static const step elastic[] = {{SWEEPS, 0, 0},
                                {END, 0, 0}};
 
 /* Few contacts of many bodies: sweeps mostly come in. Where they do not, momentum from r = 0 does,
- * or pivots, cheap in 2D; Newton's method seldom. */
-static const step few[] = {{SWEEPS, 0, 0},       {REST, 0, 0},
-                           {NEWTON, 0, 0},       {PUSH, COLD, dlsi_auto_few_pushes},
-                           {REST, 0, 0},         {NEWTON, 0, 0},
-                           {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, 20},
-                           {NEWTON, 0, 0},       {PUSH, 0, dlsi_auto_long_pushes},
-                           {REST, 0, 0},         {NEWTON, 0, 0},
-                           {AGAIN, 0, 3},        {COLD_SPLITTING, COLD, dlsi_auto_splits},
-                           {NEWTON, 0, 0},       {END, 0, 0}};
+ * or pivots, cheap in 2D; Newton's method seldom. Then turns as for a packing. */
+static const step few[] = {
+    {SWEEPS, 0, 0}, {REST, 0, 0},   {NEWTON, 0, 0},       {PUSH, COLD, dlsi_auto_few_pushes},
+    {REST, 0, 0},   {NEWTON, 0, 0}, {PIVOTING, EARLY, 0}, {HOMOTOPY, EARLY, 20},
+    {PUSH, 0, 0},   {REST, 0, 0},   {NEWTON, 0, 0},       {AUGMENTED, IN_TURN, 0},
+    {AGAIN, 0, 4},  {END, 0, 0}};
 
 /* Momentum, in turn with Newton's method, which leads nowhere far from the answer (above), and
  * with the augmented Lagrangian, which ends chains through which a reaction takes thousands of
@@ -257,8 +254,8 @@ const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0, 0},
 
 /* ... and beyond. */
 const step dlsi_auto_plan_beyond[] = {
-    {PIVOTING, 0, 0}, {AUGMENTED, 0, 0},         {PUSH, 0, 0},   {SWEEPS, 0, 0},
-    {NEWTON, 0, 0},   {COLD_SPLITTING, COLD, 0}, {NEWTON, 0, 0}, {END, 0, 0}};
+    {AUGMENTED, 0, 0}, {PIVOTING, 0, 0},          {PUSH, 0, 0},   {SWEEPS, 0, 0},
+    {NEWTON, 0, 0},    {COLD_SPLITTING, COLD, 0}, {NEWTON, 0, 0}, {END, 0, 0}};
 
 const step *dlsi_auto_first_plan(const dlsi_auto *work) {
   if (dlsi_auto_has_plan(work)) return work->given->step;

@@ -157,7 +157,6 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
   dls_error why = {0};
   const double begun = dlsi_clock_since(work->begun);
   work->most = s.most;
-  if (k == PUSH && s.most > work->history.iterations[k]) work->most -= work->history.iterations[k];
   dls_status status = k == PUSH ? DLS_OK : dlsi_auto_form_blocks(work, &why);
   if (status == DLS_E_SIZE) return pass_over(work, k); /* too many blocks: sweeps on bodies alone */
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
