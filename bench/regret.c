@@ -10,8 +10,7 @@
  *   --seed     of the first problem, the next ones have S + N, S + 2 N, ..; 2. Tune on odd seeds,
  *              report even ones
  *   --step     N; 2
- *   --count    number of problems; 2 of each kind, one of 16 to 100 contacts, one of 100 to 3000
- *              where the kind has so many
+ *   --count    number of problems; 3 of each kind: about 4 to 16 contacts, 17 to 100, up to 3000
  *   --tol      1e-4 and 1e-8
  *   --seconds  limit of CPU for each solve and 500 contacts; 0.5
  *   --info     solves that fill a dls_info: dense W of up to 300 rows have their error predicted
@@ -95,9 +94,10 @@ static void solve_drawn(plan *p, int k) {
   char digits[32];
   for (int i = 0; i < 2; i++)
     at[i] = (1 + bench_draw(&state)) / 2;
-  const int large = (k / p->kinds + k % p->kinds) % 2, most = regret_most(kind);
-  const double size =
-      large ? 100 * pow(most > 100 ? most / 100. : 1, at[0]) : 16 * pow(100. / 16, at[0]);
+  static const double from[] = {4, 17, 101}, up_to[] = {16, 100, 101};
+  const int band = (k / p->kinds + k % p->kinds) % 3, most = regret_most(kind);
+  const double to = fmax(band == 2 ? most : 0, up_to[band]);
+  const double size = from[band] * pow(to / from[band], at[0]);
   (void)snprintf(digits, sizeof digits, "%.3g", 0.05 * pow(60, at[1])); /* .05 to 3 */
   solve_generated(p, kind, (int)fmin(size, most), strtod(digits, NULL), seed);
 }
@@ -184,7 +184,7 @@ int main(int argc, char **argv) {
   }
   for (int k = 0; p.kinds == 0 || (k && regret_kind(k)); k++)
     p.kind[p.kinds++] = regret_kind(k);
-  if (p.count <= 0) p.count = 2 * p.kinds;
+  if (p.count <= 0) p.count = 3 * p.kinds;
   const int problems = p.files > p.count ? p.files : p.count;
   p.results = calloc((size_t)problems * most_tolerances + 1, sizeof *p.results);
   if (!p.results) return 1;

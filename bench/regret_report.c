@@ -6,7 +6,7 @@
 #include "common.h"
 #include "regret.h"
 
-static const struct band { int least, most; /* contacts */ } bands[] = {{16, 100}, {101, 4000}};
+static const struct band { int least, most; } bands[] = {{1, 16}, {17, 100}, {101, 4000}};
 enum { band_count = sizeof bands / sizeof bands[0], worst_shown = 2 };
 
 /* Prints the command that solves a problem again. */
