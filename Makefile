@@ -607,7 +607,6 @@ bench-motion:
 .PHONY: bench-bodies
 bench-bodies: $(BUILD)/bench/bodies
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/bodies --out $(RESULTS) $(BENCH)
-	gnuplot -e "dir='$(RESULTS)/'" bench/bodies.gp
 .PHONY: bench-lanes
 bench-lanes: $(BUILD)/bench/lanes
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lanes --out $(RESULTS) $(BENCH)
