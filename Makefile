@@ -558,8 +558,8 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 # problems of the benchmarks, and the rule by which they count a solve
-bench_scenes = $(call obj,$(addprefix bench/,$(addsuffix .c,solvers_scenes solvers_call solvers_own reduction_boxes regret_kinds regret_bodies regret_grains regret_elastic regret_nets)) $(addprefix tests/shared/,rigid.c solids.c surfaces.c))
-$(call obj,$(wildcard bench/*.c $(addprefix tests/shared/,rigid.c solids.c surfaces.c))): CPP_OF += -Itests/shared
+bench_scenes = $(call obj,$(addprefix bench/,$(addsuffix .c,solvers_scenes solvers_call solvers_own reduction_boxes regret_kinds regret_bodies regret_grains regret_elastic regret_nets)) $(addprefix tests/shared/,half_space.c rigid.c solids.c surfaces.c))
+$(call obj,$(wildcard bench/*.c $(addprefix tests/shared/,half_space.c rigid.c solids.c surfaces.c))): CPP_OF += -Itests/shared
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)

@@ -24,6 +24,7 @@
 
 #include "auto_price.h"
 #include "common.h"
+#include "half_space.h"
 #include "problem/matrices.h"
 #include "regret_kinds.h"
 
@@ -48,46 +49,18 @@ static dls_contact dense_problem(int d, int nc) {
 
 static dls_contact stamp(int n) {
   const dls_contact p = dense_problem(3, n * n);
-  double *W = (double *)p.W.a, *q = (double *)p.q, *mu = (double *)p.mu;
-  for (int j = 0; j < p.nc; j++)
-    for (int i = 0; i < p.nc; i++) {
-      double B[9];
-      regret_half_space((double)(i % n - j % n) / n, (double)(i / n - j / n) / n, 1. / n, B);
-      for (int k = 0; k < 9; k++)
-        W[(size_t)(3 * i + k % 3) + (size_t)p.W.ld * (size_t)(3 * j + k / 3)] = B[k];
-    }
+  double *q = (double *)p.q, *mu = (double *)p.mu, *at = malloc(2 * (size_t)p.nc * sizeof *at);
+  if (!at) exit(1);
   for (int c = 0; c < p.nc; c++) {
-    const double x = (double)(c % n) / n - 0.5, y = (double)(c / n) / n - 0.5;
+    const double x = at[2 * c] = (double)(c % n) / n - 0.5;
+    const double y = at[2 * c + 1] = (double)(c / n) / n - 0.5;
     q[3 * c] = -0.1 + 0.15 * x;
     q[3 * c + 1] = 0.02 - 0.1 * y;
     q[3 * c + 2] = 0.1 * x;
     mu[c] = 0.5;
   }
-  return p;
-}
-
-static double plane_integral(double x) {
-  return x * log(fabs(x)) - x;
-}
-
-/* Makes the half-plane by Flamant's solution, as tests/method/test_admm.c does. */
-static dls_contact plane(int n) {
-  const dls_contact p = dense_problem(2, n);
-  const double h = 2. / n, across = 0.3 / 0.7 * acos(0);
-  double *q = (double *)p.q, *mu = (double *)p.mu;
-  for (int b = 0; b < n; b++) {
-    double *column = (double *)p.W.a + (size_t)(2 * b) * (size_t)p.W.ld, *next = column + p.W.ld;
-    for (int a = 0; a < n; a++) {
-      const double x = (a - b) * h, side = a > b ? across : a < b ? -across : 0;
-      column[2 * a] = next[2 * a + 1] =
-          100 - (plane_integral(x + h / 2) - plane_integral(x - h / 2)) / h;
-      column[2 * a + 1] = -side;
-      next[2 * a] = side;
-    }
-    q[2 * b] = -1;
-    q[2 * b + 1] = 0.5;
-    mu[b] = 1;
-  }
+  half_space(p.nc, at, 1. / n, (double *)p.W.a);
+  free(at);
   return p;
 }
 
@@ -101,7 +74,8 @@ static int named_problem(const char *name, problem *p) {
     return 1;
   }
   if (sscanf(name, "plane-%d", &n) == 1) {
-    p->contact = plane(n);
+    const dls_contact to = dense_problem(2, n);
+    p->contact = half_plane((double *)to.W.a, (double *)to.q, (double *)to.mu, n, 100, 0.5, 0, 1);
     return 1;
   }
   return problem_open(name, &from, p);

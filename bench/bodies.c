@@ -16,6 +16,7 @@
 #include "common.h"
 #include "delassus.h"
 #include "rigid.h"
+#include "solvers_scenes.h"
 #include "vi/vi_internal.h"
 
 enum { most_sizes = 8 };
@@ -128,27 +129,8 @@ static void compare_threads(const plan *p, const char *name, const dls_contact *
               whole[1].iterations, whole[0].wall / whole[1].wall);
 }
 
-static void compare_dense(const plan *p) {
-  const int nc = p->dense / 3, m = 3 * nc;
-  const size_t rows = (size_t)m;
-  double *W = malloc(rows * rows * sizeof *W), *q = malloc(rows * sizeof *q);
-  double *mu = malloc(rows * sizeof *mu);
-  for (size_t j = 0; W && q && mu && j < rows; j++) {
-    q[j] = j % 3 ? .1 * (double)(j % 7) - .3 : -1;
-    mu[j] = .3;
-    for (size_t i = 0; i < rows; i++)
-      W[i + rows * j] = (i == j           ? 1
-                         : i % 3 == j % 3 ? .3
-                                          : .05) /
-                        (1 + fabs((double)i - (double)j));
-  }
-  if (W && q && mu && nc) {
-    const dls_contact problem = {.d = 3, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
-    compare_threads(p, "dense", &problem);
-  }
-  free(W);
-  free(q);
-  free(mu);
+static void compare_dense(void *data, const scene *s) {
+  compare_threads(data, "dense", &s->contact);
 }
 
 /* Sums of an array, one for each thread: what they read in a second. */
@@ -213,7 +195,7 @@ static void run_sizes(plan *p, rigid *a) {
     compare_threads(p, "blocks", &a[k].contact);
     compare_threads(p, "bodies", &a[k].factored);
   }
-  compare_dense(p);
+  (void)scenes_random(2, p->dense / 3, 0, compare_dense, p); /* d = 3 */
 }
 
 int main(int argc, char **argv) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "half_space.h"
 #include "reduction_boxes.h"
 #include "regret_kinds.h"
 #include "solvers_scenes.h"
@@ -120,27 +121,9 @@ int regret_planted(regret_problem *a, int d, int nc, double condition, double mu
 
 /* ---- half-space ------------------------------------------------------------------------------ */
 
-void regret_half_space(double x, double y, double a, double *B) {
-  const double nu = 0.3, k = 1 / (2 * pi), r2 = x * x + y * y, r = sqrt(r2);
-  memset(B, 0, 9 * sizeof *B);
-  if (r == 0) {
-    B[0] = k * (1 - nu) * 3.5255 / a;
-    B[4] = B[8] = k * (1 - nu / 2) * 3.5255 / a;
-    return;
-  }
-  B[0] = k * (1 - nu) / r;
-  B[4] = k * ((1 - nu) / r + nu * x * x / (r * r2));
-  B[8] = k * ((1 - nu) / r + nu * y * y / (r * r2));
-  B[5] = B[7] = k * nu * x * y / (r * r2);
-  B[1] = -k * (1 - 2 * nu) / 2 * x / r2;
-  B[2] = -k * (1 - 2 * nu) / 2 * y / r2;
-  B[3] = -B[1];
-  B[6] = -B[2];
-}
-
 /* scattered: at random places, each height for itself. */
 static int make_rough(regret_problem *a, int size, double mu, int scattered, uint64_t *state) {
-  const int side = (int)fmax(3, round(sqrt(size))), nc = side * side, m = 3 * nc;
+  const int side = (int)fmax(3, round(sqrt(size))), nc = side * side;
   double phase[12], *at = calloc(2 * (size_t)nc, sizeof *at);
   if (!at || regret_room(a, 3, nc)) {
     free(at);
@@ -152,14 +135,7 @@ static int make_rough(regret_problem *a, int size, double mu, int scattered, uin
     at[2 * c] = (c % side + (scattered ? 0.25 * bench_draw(state) : 0)) / side;
     at[2 * c + 1] = ((double)(c / side) + (scattered ? 0.25 * bench_draw(state) : 0)) / side;
   }
-  for (int j = 0; j < nc; j++)
-    for (int i = 0; i < nc; i++) {
-      double B[9];
-      regret_half_space(at[2 * i] - at[2 * j], at[2 * i + 1] - at[2 * j + 1],
-                        (scattered ? 0.25 : 1) / side, B);
-      for (int k = 0; k < 9; k++)
-        a->W[(size_t)(3 * i + k % 3) + (size_t)m * (size_t)(3 * j + k / 3)] = B[k];
-    }
+  half_space(nc, at, (scattered ? 0.25 : 1) / side, a->W);
   for (int c = 0; c < nc; c++) {
     const double x = at[2 * c], y = at[2 * c + 1];
     double height = scattered ? bench_draw(state) + bench_draw(state) + bench_draw(state) : 0;

@@ -97,9 +97,4 @@ typedef enum planted_flaw { FLAW_NONE, FLAW_RANK, FLAW_BORDER, FLAW_BONDED, FLAW
 int regret_planted(regret_problem *a, int d, int nc, double condition, double mu, planted_flaw flaw,
                    uint64_t *state);
 
-/* Computes the block of two points of a half-space, G = 1, nu = .3, at (x, y) from each other; of a
- * point with itself the mean over a square of side a. B: 3 x 3, columns by a normal and two
- * tangential forces. Boussinesq's and Cerruti's solutions. */
-void regret_half_space(double x, double y, double a, double *B);
-
 #endif

@@ -17,7 +17,8 @@
 
 #include "common.h"
 #include "delassus/solve.h"
-#include "regret_kinds.h"
+#include "half_space.h"
+#include "rigid.h"
 
 /* ---- random numbers -------------------------------------------------------------------------- */
 
@@ -120,36 +121,10 @@ enum { load_steps = 50 };
 typedef struct path {
   int d, side, nc; /* side: candidates along x */
   double press, crown, tilt, shear, turn;
-  double jump; /* of the load, as a share of the way */
-  double *W, *q, *mu;
+  double jump;             /* of the load, as a share of the way */
+  double *W, *q, *mu, *at; /* at: x, y of each */
   dls_contact p;
 } path;
-
-/* Returns the integral of log |x|. */
-static double path_integral(double x) {
-  return x == 0 ? 0 : x * (log(fabs(x)) - 1);
-}
-
-/* B (d x d) := the block of an elastic half-plane (Flamant, nu = 1 / 8) or half-space (Boussinesq
- * and Cerruti, nu = 0.3), cells of width h, at the distance (x, y). */
-static void path_block(int d, double x, double y, double h, double *B) {
-  const double nu = .125;
-  if (d == 2) {
-    const double side = x > 0 ? 1 : x < 0 ? -1 : 0, across = acos(0) * (1 - 2 * nu) / (2 - 2 * nu);
-    B[0] = B[3] = 2 * h - path_integral(x + h / 2) + path_integral(x - h / 2);
-    B[1] = across * side * h;
-    B[2] = -B[1];
-  } else {
-    regret_half_space(x, y, h, B);
-    for (int k = 0; k < 9; k++)
-      B[k] *= 4 * acos(0); /* 2 pi */
-  }
-}
-
-static void path_place(const path *a, int c, double *x, double *y) {
-  *x = 2 * (c % a->side + .5) / a->side - 1;
-  *y = a->d == 2 ? 0 : 2 * (c / a->side + .5) / a->side - 1;
-}
 
 /* Seed 0 is the path of the first table; others draw load and friction within two fifths of it. */
 static double path_factor(int seed) {
@@ -170,27 +145,28 @@ static void path_make(path *a, int d, int side, int seed, double jump) {
   a->W = malloc(sizeof *a->W * (size_t)m * (size_t)m);
   a->q = malloc(sizeof *a->q * (size_t)m);
   a->mu = malloc(sizeof *a->mu * (size_t)nc);
-  if (!a->W || !a->q || !a->mu) exit(1);
-  for (int k = 0; k < nc; k++) {
-    a->mu[k] = friction;
-    for (int c = 0; c < nc; c++) {
-      double x, y, s, t, B[9];
-      path_place(a, c, &x, &y);
-      path_place(a, k, &s, &t);
-      path_block(d, x - s, y - t, 2. / side, B);
-      for (int j = 0; j < d; j++)
-        for (int i = 0; i < d; i++)
-          a->W[(size_t)(d * c + i) + (size_t)(d * k + j) * (size_t)m] = B[i + d * j];
-    }
+  a->at = malloc(sizeof *a->at * 2 * (size_t)nc);
+  if (!a->W || !a->q || !a->mu || !a->at) exit(1);
+  for (int c = 0; c < nc; c++) {
+    a->at[2 * c] = 2 * (c % side + .5) / side - 1;
+    a->at[2 * c + 1] = d == 2 ? 0 : 2 * (c / side + .5) / side - 1;
   }
+  if (d == 2)
+    (void)half_plane(a->W, a->q, a->mu, nc, 2, 0, 0, friction);
+  else
+    half_space(nc, a->at, 2. / side, a->W);
+  for (int c = 0; c < nc; c++)
+    a->mu[c] = friction;
+  for (size_t k = 0; k < (size_t)m * (size_t)m; k++)
+    a->W[k] *= d == 2 ? 2. / side : 4 * acos(0); /* of a cell; 2 pi */
   a->p = (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};
 }
 
 /* Sets q for the share `load` of the way: a crowned punch that presses, tilts and shears. */
 static void path_load(const path *a, double load) {
   for (int c = 0; c < a->nc; c++) {
-    double x, y, *q = a->q + a->d * c;
-    path_place(a, c, &x, &y);
+    const double x = a->at[2 * c], y = a->at[2 * c + 1];
+    double *q = a->q + a->d * c;
     q[0] = -.2 - a->press * load + a->crown * (x * x + y * y) + a->tilt * x * load;
     q[1] = a->shear * load;
     if (a->d == 3) q[2] = a->turn * load * x;
@@ -237,6 +213,7 @@ static void print_path(FILE *page, int d, int side, int seed, double jump) {
   free(a.W);
   free(a.q);
   free(a.mu);
+  free(a.at);
 }
 
 static void print_paths(FILE *page) {
@@ -294,8 +271,8 @@ static void print_parts(FILE *page) {
       int near = 0, touching[2];
       path_make(&a, scene[k].d, scene[k].side, 0, 0);
       for (int c = 0; c < a.nc; c++) {
-        double x, y, *q = a.q + a.d * c;
-        path_place(&a, c, &x, &y);
+        const double x = a.at[2 * c], y = a.at[2 * c + 1];
+        double *q = a.q + a.d * c;
         q[0] = crown * (x * x + y * y) - 1;
         q[1] = .25;
         if (a.d == 3) q[2] = .1 * x;
@@ -308,6 +285,7 @@ static void print_parts(FILE *page) {
       free(a.W);
       free(a.q);
       free(a.mu);
+      free(a.at);
     }
 }
 

@@ -32,8 +32,8 @@ src/cli 2230
 src/mpi 3847
 src/python 2872
 src/fortran 579
-tests 65830
-bench 13187
+tests 65884
+bench 12951
 examples 2799
 END
 [ "${bad:-0}" = 0 ] && echo "lines: $sum, no room over its budget"

@@ -3,6 +3,7 @@
 #include "cases.h"
 #include "delassus/solve.h"
 #include "front_cases.h"
+#include "half_space.h"
 #include "made.h"
 #include "rigid.h"
 #include "run.h"

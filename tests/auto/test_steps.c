@@ -1,6 +1,7 @@
 /* test_steps.c: auto in steps: what one solve leaves to the next warm one (SQ1), (SQ2). */
 #include "delassus/solve.h"
 #include "front_cases.h"
+#include "half_space.h"
 #include "made.h"
 #include "run.h"
 

@@ -1,6 +1,7 @@
 /* test_map.c: dls_solver_map: contacts that appear, vanish and change their places. */
 #include "delassus.h"
 #include "front_cases.h"
+#include "half_space.h"
 #include "made.h"
 #include "rigid.h"
 #include "run.h"

@@ -5,6 +5,7 @@
 #include "doors.h"
 #include "failures.h"
 #include "front_cases.h"
+#include "half_space.h"
 #include "linear/dense.h"
 #include "made.h"
 #include "run.h"

@@ -99,32 +99,6 @@ dls_contact planted_case(planted_problem *a, int k) {
   return planted(a, d, nc, k % 3 ? d * nc : (d * nc + 1) / 2, k % 3 ? 1 : 3, (unsigned)k + 1);
 }
 
-static double log_integral(double x) {
-  return x * log(fabs(x)) - x;
-}
-
-dls_contact half_plane(double *W, double *q, double *mu, int nc, double depth, double push,
-                       double crown, double friction) {
-  const double h = 2. / nc, across = 0.3 / 0.7 * acos(0);
-  const int m = 2 * nc;
-  for (int b = 0; b < nc; b++) {
-    for (int a = 0; a < nc; a++) {
-      const double x = (a - b) * h;
-      const double along = depth - (log_integral(x + h / 2) - log_integral(x - h / 2)) / h;
-      const double side = a > b ? across : a < b ? -across : 0;
-      double *block = W + 2 * a + (size_t)m * (size_t)(2 * b);
-      block[0] = block[m + 1] = along;
-      block[1] = -side;
-      block[m] = side;
-    }
-    const double x = (b - 0.5 * (nc - 1)) * h;
-    q[2 * b] = -1 + crown * x * x;
-    q[2 * b + 1] = push;
-    mu[b] = friction;
-  }
-  return (dls_contact){.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
-}
-
 /* ---- auto ------------------------------------------------------------------------------------ */
 
 dls_info solve_auto(const dls_contact *p, double tol, double *r) {

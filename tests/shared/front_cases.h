@@ -36,13 +36,6 @@ dls_contact planted_graded(planted_problem *a, int d, int nc, int rank, double c
 /* The k-th of them: full rank and mu = 1, or half of it and mu = 3 */
 dls_contact planted_case(planted_problem *a, int k);
 
-/* Makes the surface of an elastic half-plane: nc cells of width h = 2 / nc, by Flamant's solution,
- * in units of 2 (1 - nu^2) / (pi E). Along a line force W is the mean of -log |x| over the cell,
- * plus `depth` for where the body is held; across it pi / 2 (1 - 2 nu) / (2 - 2 nu), nu = 1 / 8.
- * u_t is pushed by `push`; q_n = -1 + crown x^2. W (m x m), q (m), mu (nc): storage, m = 2 nc. */
-dls_contact half_plane(double *W, double *q, double *mu, int nc, double depth, double push,
-                       double crown, double friction);
-
 /* Solves by auto; any status but an error. */
 dls_info solve_auto(const dls_contact *p, double tol, double *r);
 /* Asserts that the stages add up, and that the best of them is what is returned. */

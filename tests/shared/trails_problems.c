@@ -8,6 +8,7 @@
 #include "cases.h"
 #include "failures.h"
 #include "front_cases.h"
+#include "half_space.h"
 #include "trails.h"
 
 enum { half_cells = 60, side = 7, surface_rows = 3 * side * side };

@@ -9,6 +9,7 @@
 #include "doors.h"
 #include "failures.h"
 #include "front_cases.h"
+#include "half_space.h"
 #include "made.h"
 #include "run.h"
 #include "vi/vi_internal.h"
