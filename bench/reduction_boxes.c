@@ -110,7 +110,7 @@ static int box_fill(box *b, const grid *g, double nu, double skew) {
   double x[24], Ke[24 * 24];
   for (int k = 0; k < d << d; k++)
     x[k] = k / d >> k % d & 1;
-  solids_stiffness(d, x, nu, Ke);
+  solids_stiffness(d, x, 1, nu, Ke);
   memset(b, 0, sizeof *b);
   b->model.d = d;
   b->model.n = n;

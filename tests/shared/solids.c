@@ -64,14 +64,14 @@ static double element_gradients(int d, const double *x, int p, double (*dN)[3]) 
     for (int k = 0; k < d; k++) {
       dN[c][k] = 0;
       for (int l = 0; l < d; l++)
-        dN[c][k] += I[k][l] * local[c][l] / det;
+        dN[c][k] += I[k][l] / det * local[c][l];
     }
   return fabs(det);
 }
 
-void solids_stiffness(int d, const double *x, double nu, double *A) {
+void solids_stiffness(int d, const double *x, double E, double nu, double *A) {
   const int corners = 1 << d, size = d * corners;
-  const double lambda = nu / ((1 + nu) * (1 - 2 * nu)), G = 1 / (2 * (1 + nu));
+  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), G = E / (2 * (1 + nu));
   double dN[8][3];
   memset(A, 0, (size_t)(size * size) * sizeof *A);
   for (int p = 0; p < corners; p++) {
@@ -85,7 +85,7 @@ void solids_stiffness(int d, const double *x, double nu, double *A) {
           for (int l = 0; l < d; l++)
             A[d * a + k + size * (d * b + l)] +=
                 volume *
-                (lambda * dN[a][k] * dN[b][l] + G * (dN[a][l] * dN[b][k] + (k == l ? dot : 0)));
+                (lambda * dN[a][k] * dN[b][l] + G * dN[a][l] * dN[b][k] + (k == l ? G * dot : 0));
       }
   }
 }
@@ -93,11 +93,11 @@ void solids_stiffness(int d, const double *x, double nu, double *A) {
 void solids_element(solids *S, const int *node, const double *x, double stiff) {
   const int d = S->d, size = d << d;
   double A[24 * 24];
-  solids_stiffness(d, x, .3, A);
+  solids_stiffness(d, x, stiff, .3, A);
   for (int a = 0; a < size; a++)
     for (int b = 0; b < size; b++) {
       const int i = d * node[a / d] + a % d, j = d * node[b / d] + b % d;
-      if (i >= j) dlsi_triplets_add(&S->K, i, j, stiff * A[a + size * b]);
+      if (i >= j) dlsi_triplets_add(&S->K, i, j, A[a + size * b]);
     }
 }
 

@@ -29,10 +29,10 @@ int solids_block(solids *S, const int count[3], double stiff);
 /* Adds a block whose node (i, j) stands at x[2 (i + (nx+1) j)], .. (d = 2). */
 int solids_mapped(solids *S, const int count[3], const double *x, double stiff);
 
-/* Integrates the stiffness A (square, d 2^d) of a bilinear or trilinear element, E = 1, by Gauss's
+/* Integrates the stiffness A (square, d 2^d) of a bilinear or trilinear element by Gauss's
  * 2^d points. x: 2^d corners, d each; bit l of a corner's number is its side in direction l. Adds
  * that of an element with these nodes, nu = .3, times `stiff`. */
-void solids_stiffness(int d, const double *x, double nu, double *A);
+void solids_stiffness(int d, const double *x, double E, double nu, double *A);
 void solids_element(solids *S, const int *node, const double *x, double stiff);
 
 /* Adds a spring to direction `k` of a node. */
