@@ -109,6 +109,8 @@ TEST(chart_proves_its_reference) {
   }
   ck_assert_int_gt(rows, 20);
   ck_assert(strstr(contents("chart.gp"), "the proved error in r") != NULL);
+  /* the first stage of auto begins at iteration 0, which a logarithm moves to 1 */
+  ck_assert_ptr_nonnull(strstr(contents("chart.gp"), "set arrow from first 1,graph 0"));
 }
 
 /* One contact that slips, W = 2, mu = 1/2 and r = (1, 1/2): w d r / d q_n = (1, 1/2), d r / d mu =
