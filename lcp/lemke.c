@@ -417,12 +417,11 @@ enum { no_row = -1, not_finite = -2 };
 /* Keeps those of rows[0..count) whose value[k] is smallest up to rounding; returns their
  * number. */
 static int ratio_keep_smallest(int count, int *rows, const double *value) {
-  double smallest = INFINITY, largest = 0;
+  const double largest = dlsi_max_abs(value, (size_t)count);
+  double smallest = INFINITY;
   int kept = 0;
-  for (int k = 0; k < count; k++) {
+  for (int k = 0; k < count; k++)
     if (value[k] < smallest) smallest = value[k];
-    if (fabs(value[k]) > largest) largest = fabs(value[k]);
-  }
   for (int k = 0; k < count; k++)
     if (value[k] <= smallest + lex_tolerance * largest) rows[kept++] = rows[k];
   return kept;

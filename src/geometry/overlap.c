@@ -35,7 +35,7 @@ typedef struct overlap_search {
 dlsi_place *dlsi_place_add(dlsi_places *places) {
   if (places->count == places->room) {
     const size_t room = 2 * places->room + 64;
-    dlsi_place *at = room < SIZE_MAX / sizeof *at ? realloc(places->at, room * sizeof *at) : NULL;
+    dlsi_place *at = realloc(places->at, room * sizeof *at); /* half of it is there */
     if (!at) return NULL;
     places->at = at;
     places->room = room;

@@ -109,6 +109,17 @@ TEST(chart_proves_its_reference) {
   }
   ck_assert_int_gt(rows, 20);
   ck_assert(strstr(contents("chart.gp"), "the proved error in r") != NULL);
+  /* the first stage of auto begins at iteration 0, which a logarithm moves to 1 */
+  ck_assert_ptr_nonnull(strstr(contents("chart.gp"), "set arrow from first 1,graph 0"));
+  /* the band ends where it begins: at the first tolerance, by twice the time */
+  double corner[2][2];
+  const char *band = strstr(contents("chart.gp"), "$band << END\n"), *end = strstr(band, "\nEND");
+  while (end[-1] != '\n')
+    end--;
+  ck_assert_int_eq(sscanf(band, "$band << END %lf,%lf", &corner[0][0], &corner[0][1]), 2);
+  ck_assert_int_eq(sscanf(end, "%lf,%lf", &corner[1][0], &corner[1][1]), 2);
+  ck_assert_double_eq(corner[1][1], corner[0][1]);
+  ck_assert_double_eq_tol(corner[1][0], 2 * corner[0][0], 1e-4 * corner[1][0]);
 }
 
 /* One contact that slips, W = 2, mu = 1/2 and r = (1, 1/2): w d r / d q_n = (1, 1/2), d r / d mu =

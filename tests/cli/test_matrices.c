@@ -533,6 +533,16 @@ TEST(entries_of_all_sizes) {
   ck_assert(strstr(output, "the error is at candidate") && !strstr(output, "sweeps diverge"));
 }
 
+/* A spring of two nodes that is pulled away from its only contact. */
+TEST(a_free_body_moves) {
+  write_file("K.txt", "1 -1\n-1 1\n");
+  write_file("N.txt", "0\n1\n");
+  write_file("f.txt", "0\n5\n");
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --mu 0"), 1);
+  ck_assert_ptr_nonnull(strstr(output, "no equilibrium (proved). Nothing holds a body"));
+  ck_assert_ptr_nonnull(strstr(output, "the body of unknown 0 moves"));
+}
+
 /* A box of width 1 and weight 1 on the floor, K = 0, pushed at its foot: it slides at mu. Held by a
  * spring it carries all. */
 TEST(limit) {

@@ -490,6 +490,27 @@ TEST_EACH(agrees_with_W, 0, 2) {
   solids_free(&T);
 }
 
+/* The step that predicts the error improves an answer whose info is read. */
+TEST(info_improves) {
+  solids T;
+  solids_plate(&T, 6, 2);
+  answer best = answer_of(&T.model, T.f, T.g, .3, 1e-12);
+  answer A = answer_of(&T.model, T.f, T.g, .3, 1e-3);
+  double *unread = calloc((size_t)A.m, sizeof *unread), error[2] = {0};
+  const dls_limits limits = {.tol = 1e-3};
+  ck_assert_int_eq(dls_global_solve(A.global, T.f, T.g, A.mu, &limits, unread, A.x, NULL, NULL),
+                   DLS_OK);
+  for (int k = 0; k < A.m; k++) {
+    error[0] = fmax(error[0], fabs(A.r[k] - best.r[k]));
+    error[1] = fmax(error[1], fabs(unread[k] - best.r[k]));
+  }
+  ck_assert_double_le(10 * error[0], error[1]);
+  free(unread);
+  answer_free(&best);
+  answer_free(&A);
+  solids_free(&T);
+}
+
 /* f by 1e9 and 1e-9, lengths by 1e3 and 1e-3: the same iterations. */
 TEST_EACH(units, 0, 4) {
   const double force = _i / 2 ? 1e9 : 1e-9, length = _i % 2 ? 1e3 : 1e-3;

@@ -78,6 +78,14 @@ TEST(long_rows) {
   }
   const dls_contact problem = {.d = 1, .nc = nc, .q = q, .mu = mu, .Wb = {1, nc, p, i, x}};
   ck_assert_int_ge(check_groups(&problem), side);
+  /* groups serve as long as the structure stays */
+  dlsi_groups g = {.count = 0};
+  ck_assert_int_eq(dlsi_groups_set(&g, &problem, (dlsi_set){.count = nc}, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dlsi_groups_are_of(&g, &problem), 1);
+  i[0] = 1;
+  i[1] = 0;
+  ck_assert_int_eq(dlsi_groups_are_of(&g, &problem), 0);
+  dlsi_groups_free(&g);
 }
 
 /* Registers of 1, 2, 4 and 8 lanes give the same bits of r, v and u. */

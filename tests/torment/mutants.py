@@ -30,6 +30,7 @@ import time
 PROGRAM_ROOMS = ("src/console", "src/problem", "src/charts", "src/report", "src/cli")
 ROOMS = ["lcp", "vi", "reduction", "global", "src/base", "src/contact", "src/geometry", "src/linear",
          "src/files", "src/facts", "src/auto", "src/front", "src/motion", "src/fe", *PROGRAM_ROOMS]
+PROGRAM_OBJECTS = tuple("build/obj/" + room for room in PROGRAM_ROOMS)
 # Random problems, solved in many ways and certified, which see every method and both rooms of LCP.
 PROPERTIES = "properties/properties --class each --seed 1 --step 2 --count 60 --out properties"
 # What tests are linked with beside the library and tests/shared, as in the Makefile.
@@ -43,10 +44,11 @@ PROGRAM = "build/delassus"
 LIBRARIES = ("build/libdelassus.a", "build/libdelassus-files.a", "build/libdelassus-fe.a")
 REACH = "build/reach/"  # the same, each function of which tells reach.c that it is entered
 MEMORY = "build/obj/src/base/memory.o"
+RUN = "build/obj/tests/shared/run.o"  # the list of a program's tests, and its main
 NOBODY = 65534
 CPU_SECONDS = 60  # of one test program
 FIRST_SECONDS, LONG = 20, 40  # of the run that shows which functions a test enters; of a test that takes longer, a guess
-QUICK = 3  # seconds of a test that runs under the sanitizers, too
+QUICK = 3  # seconds of a test of the library that runs under the sanitizers, too
 # Of the mutated file alone, for what only reads or writes where it should not.
 SANITIZERS = "-fsanitize=address,undefined -fno-sanitize-recover=all"
 UNDER = ", under the sanitizers"
@@ -179,9 +181,9 @@ class Tree:
                               if "program.h" in (self.root / ("tests/%s.c" % t.split()[0])).read_text()}
 
     def part(self, k):
-        """Makes test k one object, the main of which has a name of its own; returns its path."""
+        """Makes test k one object with its list of tests, the main of which has a name of its own; returns its path."""
         name, part = self.tests[k].split()[0], self.root / ("gathered/part%d.o" % k)
-        own = ["build/obj/tests/%s.o" % name, *("build/obj/%s.o" % other for other in OTHERS.get(name, []))]
+        own = ["build/obj/tests/%s.o" % name, RUN, *("build/obj/%s.o" % other for other in OTHERS.get(name, []))]
         subprocess.run(["ld", "-r", "-S", "-o", part, *own], cwd=self.root, check=True)
         subprocess.run(["objcopy", "--redefine-sym", "main=main%d" % k, "--keep-global-symbol=main%d" % k, part],
                        cwd=self.root, check=True)
@@ -253,14 +255,16 @@ class Tree:
                               stderr=subprocess.DEVNULL).returncode == 0
 
     def bind_sanitized(self, object_file):
-        """Links the program of all tests, one object of which is under the sanitizers; and the one
-        that divides workspaces into arrays, which tells them what lies between these."""
+        """Links the program of all tests, or delassus with an object of its own, that object under the
+        sanitizers; and the one that divides workspaces into arrays, which tells them what lies between
+        these."""
         spared = (self.root / MEMORY).read_bytes()
         objects = {object_file, MEMORY}
         for name in objects:
             (self.root / name).unlink()
         built, _ = self.make(*objects, "CFLAGS=-O1 -g", "SANITIZE=" + SANITIZERS)
-        bound = built and self.bind(self.link, *objects, flags=SANITIZERS.split())
+        line = self.link_program if object_file.startswith(PROGRAM_OBJECTS) else self.link
+        bound = built and self.bind(line, *objects, flags=SANITIZERS.split())
         if object_file != MEMORY:
             (self.root / MEMORY).write_bytes(spared)
         return bound
@@ -347,9 +351,7 @@ def try_mutant(tree, place, function, seconds):
             if not tree.run(test):
                 tree.kills[test] = tree.kills.get(test, 0) + 1
                 return test
-        if path.startswith(PROGRAM_ROOMS):
-            return ""
-        quick = [t for t in ordered if tree.seconds[t] < QUICK]
+        quick = [t for t in ordered if tree.seconds[t] < QUICK or path.startswith(PROGRAM_ROOMS)]
         return try_sanitized(tree, source, text, object_file, quick, cpu() + seconds)
     finally:
         source.write_text(text)
