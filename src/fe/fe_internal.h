@@ -60,9 +60,6 @@ static inline void dlsi_add_elastic(const dlsi_lame *D, double factor, double bi
   k[ld + 1] += factor * ((D->l + 2 * D->G) * cc + D->G * bb);
 }
 
-/* Places node i + j (nx + 1) at (i lx / nx, j ly / ny). xy: out, 2 (nx + 1) (ny + 1). */
-void dlsi_fe_grid(double lx, double ly, int nx, int ny, double *xy);
-
 /* Cells of a grid: cell e has the corners node[end[e - 1]] .. node[end[e] - 1], three (triangle),
  * four (quad) or more (polygon), and the data of cell from[e]. end NULL: `corners` each; from NULL:
  * each its own data. */

@@ -69,6 +69,7 @@ typedef struct ladder {
   const char *part;
   int mesh, steps, tol; /* levels of the other parts */
   double grade;         /* of the mesh; 0: even */
+  int tall;             /* 1: of tall elements */
   int low, high;        /* levels that were run; low > high: none */
   int run[LEVELS];      /* the probe of a level: run[level - LOWEST] */
   double limit;         /* of the values; the finest value if they have no order */
@@ -85,17 +86,18 @@ typedef struct budget {
   double start;
   int probes;
   probe probe[MOST_PROBES];
-  ladder mesh, graded, steps, tol;
-  double reference;       /* the closed form or the limit of the ladders */
-  int finest[OF_COUNT];   /* the probe whose field is the reference, -1: none */
-  double doubt[OF_COUNT]; /* estimated error of each reference */
-  int disagree;           /* 1: the limits of both meshes differ by more than their doubts */
-  int own, take, check;   /* probes; -1: none */
-  double error;           /* of the setting to take: the worst of what is asked, with its doubt */
-  int met;                /* 1: take is within the accuracy, and the check run agrees */
-  setting enough;         /* met = 0: what would be enough by the measured orders, ... */
-  double enough_seconds;  /* ... and its CPU by the measured cost; NaN: not known */
-  dls_status status;      /* of the first error of the library */
+  ladder mesh, second, steps, tol; /* second: the other kind of mesh, if the scene has one */
+  double reference;                /* the closed form or the limit of the ladders */
+  int finest[OF_COUNT];            /* the probe whose field is the reference, -1: none */
+  double doubt[OF_COUNT];          /* estimated error of each reference */
+  int disagree;          /* 1: the limits of both meshes differ by more than their doubts */
+  int own, take, check;  /* probes; -1: none */
+  double error;          /* of the setting to take: the worst of what is asked, with its doubt */
+  int met;               /* 1: take is within the accuracy, and the check run agrees */
+  setting enough;        /* met = 0: what would be enough by an order, ... */
+  double enough_order;   /* ... of the force as measured, else the least one, ... */
+  double enough_seconds; /* ... and its CPU by the measured cost; NaN: 64 times as fine is not */
+  dls_status status;     /* of the first error of the library */
 } budget;
 
 /* The words of --of. */

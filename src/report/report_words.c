@@ -78,14 +78,15 @@ void budget_accuracy(const budget *b, page *p) {
   }
   page_table_end(p);
   if (b->disagree && b->of & 1 << OF_FORCE)
-    page_say(p, PAGE_PLAIN, "Not decided: the even and the graded mesh tend to answers %s apart.",
-             percent(b->doubt[OF_FORCE], text));
+    page_say(p, PAGE_PLAIN, "Not decided: the even mesh and the %s tend to answers %s apart.",
+             b->second.part, percent(b->doubt[OF_FORCE], text));
   else if (!b->met && b->enough_seconds > 0)
-    page_say(p, PAGE_PLAIN, "Not decided. By %s %s would be enough, in about %.2g s of CPU.",
-             isfinite(b->mesh.low <= b->mesh.high ? b->mesh.order : b->steps.order)
-                 ? "the measured order"
-                 : "an order of 0.5",
-             setting_text(s, &b->enough, 0, more), b->enough_seconds);
+    page_say(p, PAGE_PLAIN,
+             "Not decided. By order %.2g %s would be enough, in about %.2g s of CPU.",
+             b->enough_order, setting_text(s, &b->enough, 0, more), b->enough_seconds);
+  else if (!b->met && b->enough_order > 0)
+    page_say(p, PAGE_PLAIN, "Not decided. By order %.2g, 64 times as fine would not be enough.",
+             b->enough_order);
 }
 
 /* Adds a row of the budget: a run beside the one of which a part was changed. */
@@ -155,7 +156,7 @@ void budget_tables(const budget *b, page *p) {
       if (setting_is(&b->probe[k].at, &at)) add_change(b, p, name, b->own, k);
   page_table_end(p);
   say_ladder(p, &b->mesh);
-  say_ladder(p, &b->graded);
+  say_ladder(p, &b->second);
   say_ladder(p, &b->steps);
   if (isfinite(s->exact))
     page_say(p, PAGE_PLAIN, "Reference: %.6g, the closed form [Doyen, Ern, Piperno 2011].",

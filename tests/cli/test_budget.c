@@ -95,6 +95,7 @@ static const budget *run_budget(scene_kind kind, int dynamic, double accuracy, d
   s = (scene){.kind = kind, .own = {.nx = own_nx, .tol = own_tol}, .exact = exact};
   s.own.steps = kind == SCENE_AT_ONCE ? 0 : own_steps;
   s.dynamic = dynamic;
+  s.grade = kind == SCENE_AT_ONCE ? 3 : 0;
   s.has = 1 << OF_FORCE | 1 << OF_CURVE;
   b = (budget){.scene = &s, .accuracy = accuracy, .limit = seconds, .start = now};
   now = 1000;
@@ -127,7 +128,7 @@ TEST_EACH(the_cheapest_is_taken, 0, 20) {
   exact = _i < 16 ? NAN : 3;
   const budget *b = run_budget(two ? SCENE_AT_ONCE : SCENE_FORMING, 0, accuracy[_i % 4], 1e6);
   const setting *take = &b->probe[b->take].at;
-  const ladder *both[] = {&b->mesh, &b->graded}, *steps = &b->steps;
+  const ladder *both[] = {&b->mesh, &b->second}, *steps = &b->steps;
   const double doubt = fmax(b->doubt[OF_FORCE], b->doubt[OF_CURVE]);
   ck_assert(b->met && !b->disagree && b->check >= 0);
   if (_i < 16) check_ladder(b, &b->mesh, 2);
@@ -145,7 +146,7 @@ TEST_EACH(the_cheapest_is_taken, 0, 20) {
                       "mesh %d, steps %d: %g for %g s, taken %g s", i, j, true_error(&at),
                       true_seconds(&at), true_seconds(take));
       }
-  ck_assert_int_eq(b->graded.low > b->graded.high, !two);
+  ck_assert_int_eq(b->second.low > b->second.high, !two);
 }
 
 /* Without: each ladder keeps to its share, the finest setting is taken, and what would be enough is
