@@ -68,8 +68,6 @@ typedef struct probe {
 typedef struct ladder {
   const char *part;
   int mesh, steps, tol; /* levels of the other parts */
-  double grade;         /* of the mesh; 0: even */
-  int tall;             /* 1: of tall elements */
   int low, high;        /* levels that were run; low > high: none */
   int run[LEVELS];      /* the probe of a level: run[level - LOWEST] */
   double limit;         /* of the values; the finest value if they have no order */

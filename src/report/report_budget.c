@@ -68,11 +68,10 @@ static int is_mesh(const budget *b, const ladder *l) {
 /* Returns the setting of these levels on the kind of mesh of a ladder. */
 static setting on_mesh(const budget *b, const ladder *of, int mesh, int steps, int tol) {
   setting at = setting_scaled(b->scene, mesh, steps, tol);
-  at.grade = of->grade;
-  if (of->tall) {
-    at.nx *= 2;
-    at.ny = (at.ny + 1) / 2;
-  }
+  if (of != &b->second) return at;
+  at.grade = b->scene->grade;
+  at.nx *= 1 + b->scene->tall;
+  at.ny = (at.ny + b->scene->tall) / (1 + b->scene->tall);
   return at;
 }
 
@@ -367,7 +366,6 @@ static void take_the_best(budget *b) {
     b->error = error;
     b->met = error <= b->accuracy;
   }
-  /* what is left falls with the order */
   const quantity_of worst = budget_worst(b, b->take);
   const double order = b->enough_order = worst > OF_CURVE      ? field_order(b, of, worst)
                                          : isfinite(of->order) ? of->order
@@ -400,12 +398,9 @@ static void make_reference(budget *b) {
   ladder *m = &b->mesh, *g = &b->second;
   const double own = b->probe[b->own].got.value;
   const int two = g->low <= g->high;
-  b->reference = isfinite(m->limit) ? m->limit : own;
-  double doubt = isfinite(m->limit) ? m->doubt : 0;
-  if (two && g->doubt < m->doubt) {
-    b->reference = g->limit;
-    doubt = g->doubt;
-  }
+  const ladder *best = two && g->doubt < m->doubt ? g : m;
+  b->reference = isfinite(best->limit) ? best->limit : own;
+  double doubt = isfinite(best->limit) ? best->doubt : 0;
   /* grading that raises the order shows an edge that the even mesh does not resolve */
   b->disagree = two && !(g->order > m->order + alike) &&
                 !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
@@ -418,13 +413,10 @@ static void make_reference(budget *b) {
     const double two_apart =
         two ? probes_apart(b, ladder_probe(b, m, m->high), ladder_probe(b, g, g->high), of) : 0;
     if (two_apart > field_doubt(b, m, of) + field_doubt(b, g, of)) b->doubt[of] = two_apart;
-    if (!b->scene->dynamic && last == m) b->doubt[of] += field_doubt(b, &b->steps, of);
+    if (!b->scene->dynamic && last != &b->steps) b->doubt[of] += field_doubt(b, &b->steps, of);
   }
-  if (isfinite(b->scene->exact)) {
-    b->reference = b->scene->exact;
-    doubt = 0;
-  }
-  b->doubt[OF_FORCE] = doubt;
+  if (isfinite(b->scene->exact)) b->reference = b->scene->exact;
+  b->doubt[OF_FORCE] = isfinite(b->scene->exact) ? 0 : doubt;
   if (isfinite(m->limit)) m->truth = b->reference;
   if (two) g->truth = b->reference;
   if (b->scene->dynamic || !isfinite(b->steps.limit)) return;
@@ -447,10 +439,7 @@ static void measure(budget *b, dls_error *error) {
   b->mesh.tol = (int)fmin(choose_tol(b) + TIGHTER, 0); /* a fine mesh asks for more */
   b->second = b->mesh;
   b->second.part = b->scene->tall ? "mesh of tall elements" : "graded mesh";
-  b->second.grade = b->scene->grade;
-  b->second.tall = b->scene->tall;
-  b->second.low = 1;
-  b->second.high = 0;
+  b->second.low = 1; /* not run */
   const double second = b->scene->tall ? tall_share : b->scene->grade > 0 ? mesh_share / 2 : 0;
   if (second > 0) ladder_climb(b, &b->second, second, error);
   ladder_climb(b, &b->mesh, mesh_share - second, error);
