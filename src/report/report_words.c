@@ -82,7 +82,7 @@ void budget_accuracy(const budget *b, page *p) {
              b->second.part, percent(b->doubt[OF_FORCE], text));
   else if (!b->met && b->enough_seconds > 0)
     page_say(p, PAGE_PLAIN,
-             "Not decided. By order %.2g %s would be enough, in about %.2g s of CPU.",
+             "Not decided. By order %.2g %s would be enough, in about %.3g s of CPU.",
              b->enough_order, setting_text(s, &b->enough, 0, more), b->enough_seconds);
   else if (!b->met && b->enough_order > 0)
     page_say(p, PAGE_PLAIN, "Not decided. By order %.2g, 64 times as fine would not be enough.",
