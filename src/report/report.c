@@ -246,8 +246,7 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   a->budget = b;
   a->parts.scene = s;
   a->parts.take = &b->probe[b->take].at;
-  /* it would take a run, or a free body has no W */
-  const int no_problem = (o->quick && s->kind != SCENE_AT_ONCE) || s->own.upper;
+  const int no_problem = (o->quick && s->kind != SCENE_AT_ONCE) || s->own.upper; /* no run; no W */
   if ((no_problem || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
       begin_page(a, directory)) {
     add_scene(a, b, &p);

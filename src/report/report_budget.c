@@ -12,8 +12,7 @@
  *      a level and of all finer ones, so that no level passes by luck
  *   5  run those within the accuracy, the cheapest first, until one is within it as measured, the
  *      doubt of the reference added
- *   6  check: run half the mesh size and twice the steps; where the answers differ by more than the
- *      accuracy, go on with 5
+ *   6  check at half the mesh size and twice the steps; beyond the accuracy go on with 5
  *   7  variants of the model at the scene's own setting: friction, weighting, penalty, mass
  *
  * The limit of a ladder is Richardson's with the doubt of the grid convergence index [Roache 1994],
@@ -29,17 +28,16 @@
 
 /* Parts of the CPU limit: of a ladder of meshes, of steps, of tolerances; of one candidate. */
 static const double mesh_share = 0.55, tall_share = 0.45, steps_share = 0.12, tol_share = 0.06;
-static const double well_known = 0.25; /* of the accuracy: a limit is not refined further */
-static const double tol_part = 0.02;   /* of the accuracy that the tolerance may take, ... */
-static const double steps_part = 0.5;  /* ... and the steps on the ladder of meshes */
-static const double slow = 0.01;       /* of the CPU: such a scene tries tolerances coarsely */
+static const double well_known = 0.25;      /* of the accuracy: a limit is not refined further */
+static const double tol_part = 0.02;        /* of the accuracy that the tolerance may take, ... */
+static const double steps_part = 0.5;       /* ... and the steps on the ladder of meshes */
+static const double slow = 0.01, kept = 12; /* of the CPU: a slow scene; own runs for 7 */
 static const double alike = 0.3, least_order = 0.5; /* orders of a regular ladder */
 static const double safe = 1.25, unsafe = 3;        /* factors of the grid convergence index */
 static const double loosest_tol = 0.11;             /* a tenth, with its rounding */
 enum { MOST_LEVELS = 12, TIGHTER = 2 }; /* beyond a ladder, to extrapolate; digits of tol */
 
-const char *const quantity_names[OF_COUNT] = {"force", "curve", "pressure",
-                                              "edge",  "slip",  "drift"};
+const char *const quantity_names[] = {"force", "curve", "pressure", "edge", "slip", "drift"};
 
 /* ---- runs ------------------------------------------------------------------------------------ */
 
@@ -349,13 +347,16 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
   return b->met = error_of <= b->accuracy;
 }
 
+/* Returns the kind of mesh whose limit is the less doubtful. */
+static ladder *better_mesh(budget *b) {
+  const int second = b->second.low <= b->second.high && b->second.doubt < b->mesh.doubt;
+  return second ? &b->second : &b->mesh;
+}
+
 /* Takes the finest level, unless what was tried is better, and finds by the order what would be
  * enough. */
 static void take_the_best(budget *b) {
-  const ladder *mesh = &b->mesh, *steps = &b->steps, *edge = &b->second;
-  const ladder *of = edge->low <= edge->high && edge->doubt < mesh->doubt ? edge
-                     : mesh->low <= mesh->high                            ? mesh
-                                                                          : steps;
+  const ladder *mesh = better_mesh(b), *of = mesh->low <= mesh->high ? mesh : &b->steps;
   int best = b->own;
   for (int level = of->low; level <= of->high; level++)
     if (ladder_probe(b, of, level) >= 0) best = ladder_probe(b, of, level);
@@ -376,8 +377,8 @@ static void take_the_best(budget *b) {
     const int level = of->high + more;
     if (b->error * pow(factor, more) > b->accuracy) continue;
     b->enough = at_level(b, of, level);
-    b->enough_seconds = of == steps ? foreseen_seconds(b, mesh, 0, level)
-                                    : foreseen_seconds(b, of, level, of->steps);
+    b->enough_seconds = of == mesh ? foreseen_seconds(b, of, level, of->steps)
+                                   : foreseen_seconds(b, mesh, 0, level);
     return;
   }
 }
@@ -398,7 +399,7 @@ static void make_reference(budget *b) {
   ladder *m = &b->mesh, *g = &b->second;
   const double own = b->probe[b->own].got.value;
   const int two = g->low <= g->high;
-  const ladder *best = two && g->doubt < m->doubt ? g : m;
+  const ladder *best = better_mesh(b);
   b->reference = isfinite(best->limit) ? best->limit : own;
   double doubt = isfinite(best->limit) ? best->doubt : 0;
   /* grading that raises the order shows an edge that the even mesh does not resolve */
@@ -444,6 +445,11 @@ static void measure(budget *b, dls_error *error) {
   if (second > 0) ladder_climb(b, &b->second, second, error);
   ladder_climb(b, &b->mesh, mesh_share - second, error);
   make_reference(b);
+  ladder *l = better_mesh(b); /* goes on while the doubt alone is more than the accuracy */
+  while (asked_doubt(b) > b->accuracy &&
+         kept * own->got.seconds + foreseen_seconds(b, l, l->high + 1, 0) < seconds_left(b) &&
+         ladder_run(b, l, 1, error))
+    ladder_settle(b, l), make_reference(b);
 }
 
 dls_status budget_run(budget *b, dls_error *error) {

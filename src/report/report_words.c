@@ -33,11 +33,10 @@ static const char *asked_words(const budget *b, char text[120]) {
 void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
-  char words[SETTING_ROOM], wanted[24], error[24];
+  char words[SETTING_ROOM], wanted[24], error[24], of[120], worst[40] = "";
   (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
-  char of[120], worst[40] = "";
   (void)asked_words(b, of);
   if (b->of & (b->of - 1))
     (void)snprintf(worst, sizeof worst, ", the %s the worst",
@@ -120,9 +119,8 @@ static void say_ladder(page *p, const ladder *l) {
         l->limit, text);
 }
 
-enum { MOST_TRIED = 10 }; /* before the one to take */
-
 static void add_tried(const budget *b, page *p) {
+  enum { MOST_TRIED = 10 }; /* before the one to take */
   char words[SETTING_ROOM], text[24];
   page_table(p, "run,setting,answer,from the reference,CPU s");
   for (int k = 0; k < b->probes; k++) {
@@ -141,12 +139,11 @@ static void add_tried(const budget *b, page *p) {
 void budget_tables(const budget *b, page *p) {
   char text[24];
   const scene *s = b->scene;
-  const char *unit = s->unit;
   char heads[120];
   page_say(p, PAGE_PLAIN,
            "The answer is the %s [%s]. Each row changes one thing of the scene as it is.",
-           s->answer, unit);
-  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", unit);
+           s->answer, s->unit);
+  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", s->unit);
   page_table(p, heads);
   add_change(b, p, "as it is", b->own, b->own);
   setting at;

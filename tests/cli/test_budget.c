@@ -149,14 +149,14 @@ TEST_EACH(the_cheapest_is_taken, 0, 20) {
   ck_assert_int_eq(b->second.low > b->second.high, !two);
 }
 
-/* Without: each ladder keeps to its share, the finest setting is taken, and what would be enough is
- * so, while half a level less is not. */
+/* Without: the mesh has what steps and tolerances leave, the finest setting is taken, and what
+ * would be enough is so, while half a level less is not. */
 TEST_EACH(what_would_be_enough, 0, 2) {
   const double seconds = 400;
   const budget *b = run_budget(_i ? SCENE_MOVING : SCENE_FORMING, _i, 1e-4, seconds);
   ck_assert(!b->met && b->take >= 0);
   ck_assert(spent(b, "steps") <= .12 * seconds && spent(b, "tolerance") <= .06 * seconds);
-  ck_assert(spent(b, "mesh") <= .55 * seconds && spent(b, "mesh") > .05 * seconds);
+  ck_assert(now - 1000 <= seconds && spent(b, "mesh") > .55 * seconds); /* the others leave it */
   ck_assert_int_eq(b->take, ladder_probe(b, &b->mesh, b->mesh.high));
   const setting enough = b->enough;
   ck_assert_int_gt(enough.nx, b->probe[b->take].at.nx);
