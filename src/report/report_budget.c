@@ -18,7 +18,7 @@
  * The limit of a ladder is Richardson's with the doubt of the grid convergence index [Roache 1994],
  * 1.25 |limit - finest|, where three limits agree: those without the finest 0, 1 and 2 levels, the
  * orders of the first two within 0.3 and not below 0.5. Else it is the finest value, and the doubt
- * 3 times the largest difference over a factor 2 of the levels within a factor 4 of the finest.
+ * 3 times the largest difference over a factor 2 of the last levels.
  * Steps of a scene in time go with the mesh: their ratio to the element size stays.
  */
 #include <math.h>
@@ -30,7 +30,7 @@
 static const double mesh_share = 0.55, tall_share = 0.45, steps_share = 0.12, tol_share = 0.06;
 static const double well_known = 0.25;      /* of the accuracy: a limit is not refined further */
 static const double tol_part = 0.02;        /* of the accuracy that the tolerance may take, ... */
-static const double steps_part = 0.5;       /* ... and the steps on the ladder of meshes */
+static const double steps_part = 0.1;       /* ... and the steps on the ladder of meshes */
 static const double slow = 0.01, kept = 12; /* of the CPU: a slow scene; own runs for 7 */
 static const double alike = 0.3, least_order = 0.5; /* orders of a regular ladder */
 static const double safe = 1.25, unsafe = 3;        /* factors of the grid convergence index */
@@ -117,7 +117,7 @@ static double change_to(const budget *b, const ladder *l, int level) {
 static void ladder_settle(const budget *b, ladder *l) {
   const double finest = ladder_value(b, l, l->high);
   double limit[3], order[3], most = 0;
-  int good = 1, up = 0, down = 0, near = is_mesh(b, l) ? 4 : 2; /* levels over a factor 4 */
+  int good = 1, up = 0, down = 0;
   for (int k = 0; k < 3; k++) {
     const double last = change_to(b, l, l->high - k);
     const double ratio = change_to(b, l, l->high - k - (is_mesh(b, l) ? 2 : 1)) / last;
@@ -126,7 +126,7 @@ static void ladder_settle(const budget *b, ladder *l) {
     good = good && order[k] > least_order;
     if (k < 2 && fabs(last) > most) most = fabs(last);
   }
-  for (int level = l->high; level > l->low && level > l->high - near; level--) {
+  for (int level = l->high; level > l->low && level > l->high - 4; level--) {
     const double step = ladder_value(b, l, level) - ladder_value(b, l, level - 1);
     up += step > 0;
     down += step < 0;
