@@ -108,7 +108,7 @@ TEST(chart_proves_its_reference) {
     ck_assert_double_ge(error, 0.8 * radius);
   }
   ck_assert_int_gt(rows, 20);
-  ck_assert(strstr(contents("chart.gp"), "the proved error in r") != NULL);
+  ck_assert(strstr(contents("chart.gp"), "proved error in r") != NULL);
 }
 
 /* One contact that slips, W = 2, mu = 1/2 and r = (1, 1/2): w d r / d q_n = (1, 1/2), d r / d mu =
