@@ -73,7 +73,6 @@ static int count_faults(const grid *g) {
   return faults;
 }
 
-/* Writes the state, whose numbers are exact, and returns its faults. */
 static int faults_of(const dls_forming *f, const char *folder) {
   static grid g;
   char path[64];
@@ -164,8 +163,7 @@ TEST_EACH(extrusion_is_a_body, 0, (int)method_count *(int)friction_count) {
   if (mu <= 0.2) ck_assert_int_eq(status, DLS_OK);
 }
 
-/* The fine mesh at the friction of the paper; more elements along x, whose nodes are numbered along
- * y; a fold that leaves an edge 1e-7 long in the last state. */
+/* The paper's friction, fine; nodes numbered along y; a fold that leaves an edge 1e-7 long. */
 TEST_EACH(other_mesh_is_a_body, 0, 2) {
   dls_forming_data d;
   ck_assert_int_eq(run_mesh(_i ? "indentation" : "extrusion", 0, 0.1, 8, _i ? 3 : 40, &d), DLS_OK);
