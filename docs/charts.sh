@@ -43,6 +43,7 @@ draw() {
     [ "$name" = sensitivity ] || compare "$picture" "$name.csv" >>"$work/counts"
     return
   fi
+  [ "$picture" != profile ] || return # no page shows it
   cp "$work/$picture/$name.png" "$out/$picture.png" 2>/dev/null || { cat "$work/$picture/log" >&2; exit 2; }
   echo "$out/$picture.png"
 }
@@ -52,7 +53,6 @@ p=$work/problems
 "$build/bench/hard" --save "$p" || exit 2
 "$build/delassus" scene indentation --method lemke --save "$p/indentation-step.hdf5" >/dev/null || exit 2
 
-draw profile 1 profile -r 6 -b 1 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
 draw chart-jean 1 chart jean-fig3
 draw chart-wall 1 chart "$p/wall-6x5-push0.3-mu1.hdf5"
 draw chart-cube 1 chart "$p/h8-12-tilt-mu0.3.hdf5"
@@ -65,6 +65,7 @@ draw map-extrusion 3 map extrusion --rows 5 --mu 0.05:0.5
 # takes half an hour of CPU and more: MESHES=1 asks for it
 [ -z "${MESHES:-}" ] || draw map-extrusion-mesh 150 map extrusion --against mesh --rows 7 --mu 0.1:0.4
 draw map-two-blocks 10 map two-blocks --rows 10 --mu 0.02:1
+draw profile 1 profile -r 6 -b 1 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
 if [ "$longer" = 1 ]; then
   grep -e '^auto over' -e '^solved by' "$work/profile/log"
 else

@@ -162,7 +162,7 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
 
 static void write_ratios(FILE *s, const chart *c, const ranges *g) {
   const race *a = &c->race;
-  begin_panel(s, 1, "CPU over the fastest; crosses: gave up; rings: not decided",
+  begin_panel(s, 1, "CPU / fastest; crosses: gave up; rings: not decided",
               "digits of the tolerance", "CPU / fastest");
   fprintf(
       s,
@@ -185,8 +185,8 @@ static void write_ratios(FILE *s, const chart *c, const ranges *g) {
 static void write_errors(FILE *s, const chart *c, const ranges *g) {
   char title[160];
   const int proved = c->answers > 0 && c->answer[0].proved;
-  (void)snprintf(title, sizeof title, "the %s error in %s against CPU; dots: the residual",
-                 proved ? "proved" : "true", c->in_u ? "u (W is rank deficient)" : "r");
+  (void)snprintf(title, sizeof title, "%s error in %s against CPU; dots: residual",
+                 proved ? "proved" : "true", c->in_u ? "u (W rank deficient)" : "r");
   begin_panel(s, 2, title, "CPU [ms]", c->in_u ? "|u - u*| / |q|" : "|r - r*| / |r*|");
   fprintf(s,
           "  set logscale xy\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
@@ -274,7 +274,7 @@ static void write_key(FILE *s, const chart *c) {
     (void)snprintf(predicted, sizeof predicted, " (predicted: %.2g)", c->predicted);
   fprintf(s, "  set label '{/:Bold error / residual}%s' at screen %g,%g left font ',12'\n",
           predicted, column[5], top);
-  fprintf(s, "  set label '{/:Bold ms (times the fastest), to}' at screen %g,%g left font ',12'\n",
+  fprintf(s, "  set label '{/:Bold CPU (over fastest) to}' at screen %g,%g left font ',12'\n",
           column[1], top);
   if (c->answers > 1)
     fprintf(s, "  set label '{/:Bold answer}' at screen %g,%g left font ',12'\n", column[6], top);

@@ -60,9 +60,6 @@ static inline void dlsi_add_elastic(const dlsi_lame *D, double factor, double bi
   k[ld + 1] += factor * ((D->l + 2 * D->G) * cc + D->G * bb);
 }
 
-/* Places node i + j (nx + 1) at (i lx / nx, j ly / ny). xy: out, 2 (nx + 1) (ny + 1). */
-void dlsi_fe_grid(double lx, double ly, int nx, int ny, double *xy);
-
 /* Cells of a grid: cell e has the corners node[end[e - 1]] .. node[end[e] - 1], three (triangle),
  * four (quad) or more (polygon), and the data of cell from[e]. end NULL: `corners` each; from NULL:
  * each its own data. */
@@ -71,7 +68,8 @@ typedef struct dlsi_cells {
   const int *node, *end, *from;
 } dlsi_cells;
 
-/* Parts of a grid of VTK XML in the order of the file (vtu.c); numbers have `digits` digits.
+/* Parts of a grid of VTK XML in the order of the file (vtu.c). Numbers are exact: an element
+ * that is nearly flat stays the right way round.
  *
  * begin  opens `path` and writes everything up to the data of points
  * plane  one array of the data of points, or the points: vectors x of the plane (2 nodes), which
@@ -85,14 +83,14 @@ typedef struct dlsi_cells {
  * end    everything else: xy (2 nodes); finishes the file */
 dls_status dlsi_vtu_begin(dlsi_output *out, const char *path, int nodes, int cells,
                           dls_error *error);
-void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, int digits);
+void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes);
 void dlsi_vtu_cells(FILE *file);
 void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
-                    const dlsi_cells *cells, int digits);
-void dlsi_vtu_contact(FILE *file, const dls_fe_fields *fields, int nodes, int digits);
+                    const dlsi_cells *cells);
+void dlsi_vtu_contact(FILE *file, const dls_fe_fields *fields, int nodes);
 void dlsi_vtu_tensor(FILE *file, const double *x, int components, double nu, int points,
-                     const dlsi_cells *cells, int digits);
+                     const dlsi_cells *cells);
 dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dlsi_cells *cells,
-                        int digits, dls_error *error);
+                        dls_error *error);
 
 #endif

@@ -35,17 +35,24 @@ typedef struct scene {
 
 /* ---- building -------------------------------------------------------------------------------- */
 
+/* Returns the node in column i and row j. They are numbered along the side with fewer elements, so
+ * that the band is narrow. */
+static int node_at(const dls_forming *f, int i, int j) {
+  const int nx = f->settings.nx, ny = f->settings.ny;
+  return nx > ny ? i * (ny + 1) + j : i + j * (nx + 1);
+}
+
 /* Makes nx x ny rectangles on [0, lx] x [0, ly]. */
 static void forming_grid(dls_forming *f, double lx, double ly) {
   const int nx = f->settings.nx, ny = f->settings.ny;
   int *node = f->mesh.node;
-  dlsi_fe_grid(lx, ly, nx, ny, f->mesh.xy);
-  for (int j = 0; j < ny; j++)
-    for (int i = 0; i < nx; i++) {
-      const int a = i + j * (nx + 1);
-      const int corner[4] = {a, a + 1, a + nx + 2, a + nx + 1};
-      for (int k = 0; k < 4; k++)
-        *node++ = corner[k];
+  for (int j = 0; j <= ny; j++)
+    for (int i = 0; i <= nx; i++) {
+      double *xy = f->mesh.xy + 2 * node_at(f, i, j);
+      xy[0] = lx * ((double)i / nx); /* the last one is lx exactly */
+      xy[1] = ly * ((double)j / ny);
+      for (int k = 0; k < 4 && i < nx && j < ny; k++) /* counterclockwise */
+        *node++ = node_at(f, i + (k == 1 || k == 2), j + (k > 1));
     }
 }
 
@@ -61,11 +68,12 @@ static void build_indentation(dls_forming *f) {
   f->whole = 10;
   cylinder->way[1] = -f->whole;
   for (int j = 0; j <= ny; j++)
-    f->fixed[2 * j * (nx + 1)] = 1;
+    f->fixed[2 * node_at(f, 0, j)] = 1;
   for (int i = 0; i <= nx; i++) {
-    f->fixed[2 * i + 1] = 1;
-    if (f->settings.clamped) f->fixed[2 * i] = 1;
-    f->candidate[i] = i + ny * (nx + 1);
+    const int bottom = 2 * node_at(f, i, 0);
+    f->fixed[bottom + 1] = 1;
+    if (f->settings.clamped) f->fixed[bottom] = 1;
+    f->candidate[i] = node_at(f, i, ny);
   }
 }
 
@@ -96,13 +104,13 @@ static void build_extrusion(dls_forming *f) {
   f->low[1] = -INFINITY;
   f->holds = 1;
   for (int j = 0; j <= ny; j++) {
-    f->fixed[2 * j * (nx + 1)] = 1;
-    f->candidate[j] = nx + j * (nx + 1);
+    f->fixed[2 * node_at(f, 0, j)] = 1;
+    f->candidate[j] = node_at(f, nx, j);
   }
   for (int i = 1; i < nx; i++)
-    f->candidate[ny + i] = i;
+    f->candidate[ny + i] = node_at(f, i, 0);
   for (int i = 0; i < nx && f->settings.ram_mu > 0; i++) {
-    f->candidate[nx + ny + i] = i + ny * (nx + 1);
+    f->candidate[nx + ny + i] = node_at(f, i, ny);
     f->meets[nx + ny + i] = 1;
   }
 }
@@ -170,8 +178,8 @@ static dls_status forming_complete(dls_forming_settings *s, const scene *chosen,
   if (!s->ny) s->ny = chosen->ny;
   if (!s->steps) s->steps = chosen->steps;
   if (s->mu < 0) s->mu = chosen->mu;
-  /* entries of the band: (3 k + 1) n < (6 nx + 20) * 2 (nx + 1) (ny + 1) */
-  const double entries = (6.0 * s->nx + 20) * 2 * (s->nx + 1.0) * (s->ny + 1.0);
+  /* entries of the band: (3 k + 1) n < (6 side + 20) * 2 (nx + 1) (ny + 1) */
+  const double entries = (6 * fmin(s->nx, s->ny) + 20) * 2 * (s->nx + 1.0) * (s->ny + 1.0);
   if (entries > INT_MAX)
     return dlsi_fail(error, DLS_E_SIZE, s->nx > s->ny ? "nx" : "ny", -1, entries,
                      "%d x %d is too large", s->nx, s->ny);
@@ -244,7 +252,7 @@ static int forming_allocate(dls_forming *f, const scene *chosen) {
   f->nc =
       chosen->build == build_indentation ? s->nx + 1 : s->nx + s->ny + (s->ram_mu > 0 ? s->nx : 0);
   f->edges = 2 * (s->nx + s->ny);
-  if (!dlsi_band_create(&f->band, f->n, 2 * (s->nx + 2) + 1)) return 0;
+  if (!dlsi_band_create(&f->band, f->n, 2 * ((s->nx < s->ny ? s->nx : s->ny) + 2) + 1)) return 0;
   dlsi_arena arena = {0};
   forming_carve(f, &arena);
   arena.base = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
@@ -264,13 +272,13 @@ static void forming_trace(dls_forming *f) {
   const int nx = f->settings.nx, ny = f->settings.ny;
   int *edge = f->edge;
   for (int i = 0; i < nx; i++)
-    *edge++ = i;
+    *edge++ = node_at(f, i, 0);
   for (int j = 0; j < ny; j++)
-    *edge++ = nx + j * (nx + 1);
+    *edge++ = node_at(f, nx, j);
   for (int i = nx; i > 0; i--)
-    *edge++ = i + ny * (nx + 1);
+    *edge++ = node_at(f, i, ny);
   for (int j = ny; j > 0; j--)
-    *edge++ = j * (nx + 1);
+    *edge++ = node_at(f, 0, j);
 }
 
 /* Fills in what follows from the scene: states at rest, patterns, friction, views. */
@@ -294,7 +302,7 @@ static void forming_derive(dls_forming *f) {
     f->node_i[c] = c;
   }
   for (int i = 0; f->holds && i <= s->nx; i++) { /* the ram holds the top */
-    const int node = i + s->ny * (s->nx + 1), c = f->candidate_of[node];
+    const int node = node_at(f, i, s->ny), c = f->candidate_of[node];
     if (c < 0 || !f->meets[c]) dlsi_forming_hold(f, node, 1);
     f->held0[node] = f->held[node];
   }

@@ -5,8 +5,6 @@
 #include "fe_internal.h"
 #include "forming_internal.h"
 
-enum { digits = 9 };
-
 static dls_status forming_write_grid(const dls_forming_data *d, const dls_fe_fields *fields,
                                      const dlsi_cells *cells, const char *path, dls_error *error) {
   const dls_forming_mesh *mesh = d->mesh;
@@ -14,14 +12,14 @@ static dls_status forming_write_grid(const dls_forming_data *d, const dls_fe_fie
   const dls_status status = dlsi_vtu_begin(&out, path, mesh->nodes, cells->cells, error);
   if (status) return status;
   FILE *file = out.file;
-  dlsi_vtu_plane(file, "displacement", d->displacement, mesh->nodes, digits);
-  dlsi_vtu_plane(file, "reaction", d->reaction, mesh->nodes, digits);
-  dlsi_vtu_contact(file, fields, mesh->nodes, digits);
+  dlsi_vtu_plane(file, "displacement", d->displacement, mesh->nodes);
+  dlsi_vtu_plane(file, "reaction", d->reaction, mesh->nodes);
+  dlsi_vtu_contact(file, fields, mesh->nodes);
   dlsi_vtu_cells(file);
-  dlsi_vtu_tensor(file, d->stress, 4, 0, 4, cells, digits);
+  dlsi_vtu_tensor(file, d->stress, 4, 0, 4, cells);
   dlsi_vtu_means(file, "Name=\"plastic_strain\" NumberOfComponents=\"1\"", d->plastic_strain, 1, 4,
-                 cells, digits);
-  return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, cells, digits, error);
+                 cells);
+  return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, cells, error);
 }
 
 /* Lists the quads; a quad with a flat corner becomes the two triangles that meet there.
@@ -103,12 +101,12 @@ static dls_status forming_write_outlines(const dls_forming_data *d, const char *
   if (status) return status;
   FILE *file = out.file;
   dlsi_vtu_cells(file);
-  dlsi_vtu_means(file, "Name=\"tool\" NumberOfComponents=\"1\"", number, 1, 1, &outlines, digits);
+  dlsi_vtu_means(file, "Name=\"tool\" NumberOfComponents=\"1\"", number, 1, 1, &outlines);
   dlsi_vtu_means(file,
                  "Name=\"force\" NumberOfComponents=\"2\" ComponentName0=\"x\" "
                  "ComponentName1=\"y\"",
-                 force, 2, 1, &outlines, digits);
-  return dlsi_vtu_end(&out, xy, nodes, &outlines, digits, error);
+                 force, 2, 1, &outlines);
+  return dlsi_vtu_end(&out, xy, nodes, &outlines, error);
 }
 
 dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, dls_error *error) {

@@ -5,7 +5,8 @@
 
 #include "fe_internal.h"
 
-void dlsi_fe_grid(double lx, double ly, int nx, int ny, double *xy) {
+/* Places node i + j (nx + 1) at (i lx / nx, j ly / ny). xy: out, 2 (nx + 1) (ny + 1). */
+static void block_grid(double lx, double ly, int nx, int ny, double *xy) {
   for (int j = 0; j <= ny; j++)
     for (int i = 0; i <= nx; i++) {
       *xy++ = lx * ((double)i / nx); /* the last one is lx exactly */
@@ -40,7 +41,7 @@ static dls_status block_make(dls_fe_mesh *mesh, double lx, double ly, int nx, in
     free(node);
     return dlsi_no_memory(error);
   }
-  dlsi_fe_grid(lx, ly, nx, ny, xy);
+  block_grid(lx, ly, nx, ny, xy);
   int *corner = node;
   for (int j = 0; j < ny; j++)
     for (int i = 0; i < nx; i++) {

@@ -6,7 +6,7 @@
 #include "base/utf8.h"
 #include "fe_internal.h"
 
-enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9 };
+enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9, digits = 17 };
 
 dls_status dlsi_vtu_begin(dlsi_output *out, const char *path, int nodes, int cells,
                           dls_error *error) {
@@ -22,7 +22,7 @@ dls_status dlsi_vtu_begin(dlsi_output *out, const char *path, int nodes, int cel
   return DLS_OK;
 }
 
-void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, int digits) {
+void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes) {
   (void)fprintf(file,
                 "<DataArray type=\"Float64\" Name=\"%s\" NumberOfComponents=\"3\" "
                 "format=\"ascii\">\n",
@@ -42,7 +42,7 @@ static int vtu_end(const dlsi_cells *c, int e) {
 }
 
 void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
-                    const dlsi_cells *cells, int digits) {
+                    const dlsi_cells *cells) {
   (void)fprintf(file, "<DataArray type=\"Float64\" %s format=\"ascii\">\n", head);
   for (int e = 0; e < cells->cells; e++) {
     const double *own = x + points * components * (cells->from ? cells->from[e] : e);
@@ -56,7 +56,7 @@ void dlsi_vtu_means(FILE *file, const char *head, const double *x, int component
   (void)fprintf(file, "</DataArray>\n");
 }
 
-void dlsi_vtu_contact(FILE *file, const dls_fe_fields *f, int nodes, int digits) {
+void dlsi_vtu_contact(FILE *file, const dls_fe_fields *f, int nodes) {
   static const char *const names[] = {"contact", "gap", "slip"};
   for (int k = 0; k < 3; k++) {
     if (!(k == 0 ? (const void *)f->state : k == 1 ? f->gap : f->slip)) continue;
@@ -77,7 +77,7 @@ void dlsi_vtu_contact(FILE *file, const dls_fe_fields *f, int nodes, int digits)
 }
 
 void dlsi_vtu_tensor(FILE *file, const double *x, int components, double nu, int points,
-                     const dlsi_cells *cells, int digits) {
+                     const dlsi_cells *cells) {
   (void)fprintf(file, "<DataArray type=\"Float64\" Name=\"stress\" NumberOfComponents=\"9\" "
                       "format=\"ascii\">\n");
   for (int e = 0; e < cells->cells; e++) {
@@ -95,10 +95,10 @@ void dlsi_vtu_tensor(FILE *file, const double *x, int components, double nu, int
 }
 
 dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dlsi_cells *cells,
-                        int digits, dls_error *error) {
+                        dls_error *error) {
   FILE *file = out->file;
   (void)fprintf(file, "</CellData>\n<Points>\n");
-  dlsi_vtu_plane(file, "points", xy, nodes, digits);
+  dlsi_vtu_plane(file, "points", xy, nodes);
   (void)fprintf(file, "</Points>\n<Cells>\n"
                       "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n");
   for (int e = 0, k = 0; e < cells->cells; e++)
@@ -123,7 +123,6 @@ dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dls
 
 static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh, const dls_fe_fields *f,
                                 dls_error *error) {
-  enum { digits = 17 };
   const double *displacement = f->displacement, *reaction = f->reaction, *stress = f->stress;
   const size_t nc = f->candidates > 0 ? (size_t)f->candidates : 0;
   if (!path) return dlsi_is_null(error, "path");
@@ -149,12 +148,12 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh, const
   status = dlsi_vtu_begin(&out, path, mesh->nodes, elements, error);
   if (status) return status;
   FILE *file = out.file;
-  if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
-  if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
-  dlsi_vtu_contact(file, f, mesh->nodes, digits);
+  if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes);
+  if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes);
+  dlsi_vtu_contact(file, f, mesh->nodes);
   dlsi_vtu_cells(file);
-  if (stress) dlsi_vtu_tensor(file, stress, 3, f->nu, 1, &all, digits);
-  return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, &all, digits, error);
+  if (stress) dlsi_vtu_tensor(file, stress, 3, f->nu, 1, &all);
+  return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, &all, error);
 }
 
 dls_status dls_fe_write_fields(const char *path, const dls_fe_mesh *mesh,

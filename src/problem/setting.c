@@ -6,6 +6,7 @@
 #include "setting.h"
 
 enum { REPEATS = 3 };
+static const double graded = 3;       /* the grade of a graded mesh */
 static const double short_run = 0.05; /* CPU seconds: a shorter run is timed again */
 static const double rounding = 1e-12; /* of the energies: less work than that is none */
 
@@ -93,6 +94,7 @@ static dls_status own_equilibrium(scene *s, dls_error *error) {
   lattice_sides(d.mesh->nodes, d.mesh->triangles / 2, &s->own.ny, &s->own.nx);
   s->own.tol = scene_tol;
   s->friction = d.mu[0] > 0;
+  s->grade = graded;
   s->has = 1 << OF_PRESSURE | 1 << OF_EDGE;
   dls_fe_scene_destroy(fe);
   return DLS_OK;
@@ -172,6 +174,7 @@ static dls_status own_forming(scene *s, dls_error *error) {
   s->whole = d.whole;
   s->own.tol = settings.tol;
   s->friction = 1;
+  s->tall = !d.axisymmetric;
   s->has = 1 << OF_CURVE | 1 << OF_PRESSURE | 1 << OF_EDGE;
   dls_forming_destroy(forming);
   return DLS_OK;

@@ -32,6 +32,9 @@ typedef struct scene {
   int dynamic;      /* 1: steps have to follow the mesh */
   int friction;     /* 1: own friction is not 0 */
   int has;          /* bits 1 << OF_..: the quantities that it has */
+  double grade;     /* of a second kind of mesh; 0: none */
+  int tall;         /* 1: a second kind has elements half as wide and twice as high: a contact edge
+                       that moves along x asks for many nodes there */
 } scene;
 
 /* What the answer is. The fields have PIECES values: the curve at the fractions 1/PIECES, 2/PIECES,

@@ -197,7 +197,8 @@ static void first_screen(report *a, const budget *b, const problem *p) {
   if (p->contact.nc)
     part_uniqueness(&a->parts, &p->contact);
   else
-    page_say(&a->page, PAGE_PLAIN, "Uniqueness: unknown; without --quick it is computed.");
+    page_say(&a->page, PAGE_PLAIN, "Uniqueness: unknown%s.",
+             b->scene->own.upper ? "; a free body has no W" : "; without --quick it is computed");
   page_say(&a->page, PAGE_PLAIN, "Method: auto.");
   part_note(&a->parts, "scene", setting_text(b->scene, &take->at, 1, options));
   part_command(&a->parts);
@@ -245,7 +246,7 @@ static int report_scene(report *a, const scene *s, const char *directory) {
   a->budget = b;
   a->parts.scene = s;
   a->parts.take = &b->probe[b->take].at;
-  const int no_problem = o->quick && s->kind != SCENE_AT_ONCE; /* it would take a run */
+  const int no_problem = (o->quick && s->kind != SCENE_AT_ONCE) || s->own.upper; /* no run; no W */
   if ((no_problem || problem_open(s->name, &o->from, &p)) && make_directory(a->folder) &&
       begin_page(a, directory)) {
     add_scene(a, b, &p);

@@ -68,7 +68,6 @@ typedef struct probe {
 typedef struct ladder {
   const char *part;
   int mesh, steps, tol; /* levels of the other parts */
-  double grade;         /* of the mesh; 0: even */
   int low, high;        /* levels that were run; low > high: none */
   int run[LEVELS];      /* the probe of a level: run[level - LOWEST] */
   double limit;         /* of the values; the finest value if they have no order */
@@ -85,17 +84,17 @@ typedef struct budget {
   double start;
   int probes;
   probe probe[MOST_PROBES];
-  ladder mesh, graded, steps, tol;
-  double reference;       /* the closed form or the limit of the ladders */
-  int finest[OF_COUNT];   /* the probe whose field is the reference, -1: none */
-  double doubt[OF_COUNT]; /* estimated error of each reference */
-  int disagree;           /* 1: the limits of both meshes differ by more than their doubts */
-  int own, take, check;   /* probes; -1: none */
-  double error;           /* of the setting to take: the worst of what is asked, with its doubt */
-  int met;                /* 1: take is within the accuracy, and the check run agrees */
-  setting enough;         /* met = 0: what would be enough by the measured orders, ... */
-  double enough_seconds;  /* ... and its CPU by the measured cost; NaN: not known */
-  dls_status status;      /* of the first error of the library */
+  ladder mesh, second, steps, tol; /* second: the other kind of mesh, if the scene has one */
+  double reference;                /* the closed form or the limit of the ladders */
+  int finest[OF_COUNT];            /* the probe whose field is the reference, -1: none */
+  double doubt[OF_COUNT];          /* estimated error of each reference */
+  int disagree;         /* 1: the limits of both meshes differ by more than their doubts */
+  int own, take, check; /* probes; -1: none */
+  double error;         /* of the setting to take: the worst of what is asked, with its doubt */
+  int met;              /* 1: take is within the accuracy, and the check run agrees */
+  setting enough;       /* met = 0: what would be enough by an order, ... */
+  double enough_order, enough_seconds; /* ... its CPU; NaN: 64 times as fine is not enough */
+  dls_status status;                   /* of the first error of the library */
 } budget;
 
 /* The words of --of. */
@@ -117,8 +116,7 @@ void budget_tables(const budget *b, page *p);
 /* Returns the distance of a probe from the reference, without the doubt; INFINITY without one. */
 double budget_error(const budget *b, int probe, quantity_of of);
 
-/* Returns that with the doubt or, of the setting to take, the distance from its check run if that
- * is more. */
+/* Returns that with the doubt; of the setting to take at least the distance from its check run. */
 double budget_within(const budget *b, int probe, quantity_of of);
 
 /* Returns which of what is asked has the largest error. */

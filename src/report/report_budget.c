@@ -3,24 +3,23 @@
  * setting that is accurate enough (report.h).
  *
  *   1  run the scene as it is
- *   2  ladders: mesh by sqrt(2), an even one and one that is graded towards the fixed node, steps
- *      by 2, tolerance by 10: coarser ones, then finer ones until the limit of the ladder is
- *      estimated to a quarter of the accuracy, or its share of the CPU is gone
+ *   2  ladders: mesh by sqrt(2), an even one and one that is graded towards the fixed node or has
+ *      tall elements, steps by 2, tolerance by 10: coarser ones, then finer ones until the limit
+ *      of the ladder is estimated to a quarter of the accuracy, or its share of the CPU is gone
  *   3  reference := the closed form; else the limit of the mesh with the smaller doubt + what the
  *      limit of the steps adds
  *   4  predict the error of each (mesh, steps) as the sum of both envelopes: the largest error of
  *      a level and of all finer ones, so that no level passes by luck
  *   5  run those within the accuracy, the cheapest first, until one is within it as measured, the
  *      doubt of the reference added
- *   6  check: run half the mesh size and twice the steps; where the answers differ by more than the
- *      accuracy, go on with 5
+ *   6  check at half the mesh size and twice the steps; beyond the accuracy go on with 5
  *   7  variants of the model at the scene's own setting: friction, weighting, penalty, mass
  *
  * The limit of a ladder is Richardson's with the doubt of the grid convergence index [Roache 1994],
  * 1.25 |limit - finest|, where three limits agree: those without the finest 0, 1 and 2 levels, the
  * orders of the first two within 0.3 and not below 0.5. Else it is the finest value, and the doubt
- * 3 times the largest difference over a factor 2 of the last levels. Steps of a scene in time go
- * with the mesh: their ratio to the element size stays.
+ * 3 times the largest difference over a factor 2 of the last levels.
+ * Steps of a scene in time go with the mesh: their ratio to the element size stays.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -28,19 +27,17 @@
 #include "report.h"
 
 /* Parts of the CPU limit: of a ladder of meshes, of steps, of tolerances; of one candidate. */
-static const double mesh_share = 0.55, steps_share = 0.12, tol_share = 0.06;
-static const double well_known = 0.25; /* of the accuracy: a limit is not refined further */
-static const double tol_part = 0.02;   /* of the accuracy that the tolerance may take, ... */
-static const double steps_part = 0.1;  /* ... and the steps on the ladder of meshes */
-static const double slow = 0.01;       /* of the CPU: such a scene tries tolerances coarsely */
+static const double mesh_share = 0.55, tall_share = 0.45, steps_share = 0.12, tol_share = 0.06;
+static const double well_known = 0.25;      /* of the accuracy: a limit is not refined further */
+static const double tol_part = 0.02;        /* of the accuracy that the tolerance may take, ... */
+static const double steps_part = 0.1;       /* ... and the steps on the ladder of meshes */
+static const double slow = 0.01, kept = 12; /* of the CPU: a slow scene; own runs for 7 */
 static const double alike = 0.3, least_order = 0.5; /* orders of a regular ladder */
 static const double safe = 1.25, unsafe = 3;        /* factors of the grid convergence index */
-static const double graded = 3;                     /* the grade of a graded mesh */
 static const double loosest_tol = 0.11;             /* a tenth, with its rounding */
 enum { MOST_LEVELS = 12, TIGHTER = 2 }; /* beyond a ladder, to extrapolate; digits of tol */
 
-const char *const quantity_names[OF_COUNT] = {"force", "curve", "pressure",
-                                              "edge",  "slip",  "drift"};
+const char *const quantity_names[] = {"force", "curve", "pressure", "edge", "slip", "drift"};
 
 /* ---- runs ------------------------------------------------------------------------------------ */
 
@@ -63,14 +60,22 @@ static int run_probe(budget *b, const setting *at, const char *part, dls_error *
 /* ---- ladders --------------------------------------------------------------------------------- */
 
 static int is_mesh(const budget *b, const ladder *l) {
-  return l == &b->mesh || l == &b->graded;
+  return l == &b->mesh || l == &b->second;
+}
+
+/* Returns the setting of these levels on the kind of mesh of a ladder. */
+static setting on_mesh(const budget *b, const ladder *of, int mesh, int steps, int tol) {
+  setting at = setting_scaled(b->scene, mesh, steps, tol);
+  if (of != &b->second) return at;
+  at.grade = b->scene->grade;
+  at.nx *= 1 + b->scene->tall;
+  at.ny = (at.ny + b->scene->tall) / (1 + b->scene->tall);
+  return at;
 }
 
 static setting at_level(const budget *b, const ladder *l, int level) {
-  setting at = setting_scaled(b->scene, is_mesh(b, l) ? level : l->mesh,
-                              l == &b->steps ? level : l->steps, l == &b->tol ? level : l->tol);
-  at.grade = l->grade;
-  return at;
+  return on_mesh(b, l, is_mesh(b, l) ? level : l->mesh, l == &b->steps ? level : l->steps,
+                 l == &b->tol ? level : l->tol);
 }
 
 int ladder_probe(const budget *b, const ladder *l, int level) {
@@ -148,6 +153,15 @@ static double field_doubt(const budget *b, const ladder *l, quantity_of of) {
   if (l->low > l->high || of == OF_DRIFT) return 0;
   return unsafe * fmax(probes_apart(b, ladder_probe(b, l, l->high - half), last, of),
                        probes_apart(b, ladder_probe(b, l, l->high - 1), last, of));
+}
+
+/* Returns the order by which a field of the last levels changes, between the least order and 1: at
+ * a jump, as the pressure at the edge of contact, no field does better. */
+static double field_order(const budget *b, const ladder *l, quantity_of of) {
+  const int half = is_mesh(b, l) ? 2 : 1, middle = ladder_probe(b, l, l->high - half);
+  const double before = probes_apart(b, ladder_probe(b, l, l->high - 2 * half), middle, of);
+  const double order = log2(before / probes_apart(b, middle, ladder_probe(b, l, l->high), of));
+  return order > least_order && isfinite(order) ? fmin(order, 1) : least_order;
 }
 
 /* Returns the largest estimated error of the fields that are asked. */
@@ -260,7 +274,7 @@ static double asked_doubt(const budget *b) {
 typedef struct candidate {
   double seconds, error; /* as predicted; candidates are sorted by the first member */
   int mesh, steps;
-  const ladder *of; /* the mesh, even or graded */
+  const ladder *of; /* the kind of mesh */
   int failed;       /* 1: it is not within the accuracy, as measured */
 } candidate;
 
@@ -287,7 +301,7 @@ static double foreseen_seconds(const budget *b, const ladder *of, int mesh, int 
 }
 
 static int list_candidates(const budget *b, candidate *list) {
-  const ladder *const meshes[] = {&b->mesh, &b->graded}, *steps = &b->steps;
+  const ladder *const meshes[] = {&b->mesh, &b->second}, *steps = &b->steps;
   int count = 0;
   for (int k = 0; k < 2; k++) {
     const ladder *of = meshes[k];
@@ -303,19 +317,12 @@ static int list_candidates(const budget *b, candidate *list) {
   return count;
 }
 
-static setting candidate_setting(const budget *b, const candidate *c, int finer, int steps,
-                                 int tol) {
-  setting at = setting_scaled(b->scene, c->mesh + finer, c->steps + steps, tol);
-  at.grade = c->of->grade;
-  return at;
-}
-
 /* Runs twice as fine a setting; returns its probe, -1 if there is no time for one. */
 static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
   const int steps = b->scene->dynamic ? 0 : 1;
   for (int mesh = 2; mesh > 0; mesh--) {
     if (foreseen_seconds(b, c->of, c->mesh + mesh, c->steps + steps) > seconds_left(b)) continue;
-    const setting at = candidate_setting(b, c, mesh, steps, tol + 1);
+    const setting at = on_mesh(b, c->of, c->mesh + mesh, c->steps + steps, tol + 1);
     return run_probe(b, &at, "check", error);
   }
   return -1;
@@ -324,7 +331,7 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
 /* Tries a candidate, to a tolerance and, where that is too loose for so many steps, to that of the
  * ladders; returns 1 if it is within the accuracy and its check agrees. */
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
-  const setting at = candidate_setting(b, c, 0, 0, tol);
+  const setting at = on_mesh(b, c->of, c->mesh, c->steps, tol);
   const int k = run_probe(b, &at, "search", error);
   if (k < 0 || b->probe[k].got.status || !(asked_error(b, k) <= b->accuracy))
     return k >= 0 && tol < c->of->tol && try_candidate(b, c, c->of->tol, error);
@@ -340,13 +347,16 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
   return b->met = error_of <= b->accuracy;
 }
 
+/* Returns the kind of mesh whose limit is the less doubtful. */
+static ladder *better_mesh(budget *b) {
+  const int second = b->second.low <= b->second.high && b->second.doubt < b->mesh.doubt;
+  return second ? &b->second : &b->mesh;
+}
+
 /* Takes the finest level, unless what was tried is better, and finds by the order what would be
  * enough. */
 static void take_the_best(budget *b) {
-  const ladder *mesh = &b->mesh, *steps = &b->steps, *edge = &b->graded;
-  const ladder *of = edge->low <= edge->high && edge->doubt < mesh->doubt ? edge
-                     : mesh->low <= mesh->high                            ? mesh
-                                                                          : steps;
+  const ladder *mesh = better_mesh(b), *of = mesh->low <= mesh->high ? mesh : &b->steps;
   int best = b->own;
   for (int level = of->low; level <= of->high; level++)
     if (ladder_probe(b, of, level) >= 0) best = ladder_probe(b, of, level);
@@ -357,16 +367,18 @@ static void take_the_best(budget *b) {
     b->error = error;
     b->met = error <= b->accuracy;
   }
-  /* the error that is left falls with the order; without one, with the least order */
-  const double order = isfinite(of->order) ? of->order : least_order;
+  const quantity_of worst = budget_worst(b, b->take);
+  const double order = b->enough_order = worst > OF_CURVE      ? field_order(b, of, worst)
+                                         : isfinite(of->order) ? of->order
+                                                               : least_order;
   const double factor = pow(2, is_mesh(b, of) ? -0.5 * order : -order);
   if (of->low > of->high || b->disagree || b->met) return;
   for (int more = 1; more <= MOST_LEVELS; more++) {
     const int level = of->high + more;
     if (b->error * pow(factor, more) > b->accuracy) continue;
     b->enough = at_level(b, of, level);
-    b->enough_seconds = of == steps ? foreseen_seconds(b, mesh, 0, level)
-                                    : foreseen_seconds(b, of, level, of->steps);
+    b->enough_seconds = of == mesh ? foreseen_seconds(b, of, level, of->steps)
+                                   : foreseen_seconds(b, mesh, 0, level);
     return;
   }
 }
@@ -384,15 +396,12 @@ static void run_variants(budget *b, dls_error *error) {
 /* The closed form; else the limit of the mesh with the smaller doubt, which both meshes have in
  * common, and what the limit of the steps adds. */
 static void make_reference(budget *b) {
-  ladder *m = &b->mesh, *g = &b->graded;
+  ladder *m = &b->mesh, *g = &b->second;
   const double own = b->probe[b->own].got.value;
   const int two = g->low <= g->high;
-  b->reference = isfinite(m->limit) ? m->limit : own;
-  double doubt = isfinite(m->limit) ? m->doubt : 0;
-  if (two && g->doubt < m->doubt) {
-    b->reference = g->limit;
-    doubt = g->doubt;
-  }
+  const ladder *best = better_mesh(b);
+  b->reference = isfinite(best->limit) ? best->limit : own;
+  double doubt = isfinite(best->limit) ? best->doubt : 0;
   /* grading that raises the order shows an edge that the even mesh does not resolve */
   b->disagree = two && !(g->order > m->order + alike) &&
                 !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
@@ -405,13 +414,10 @@ static void make_reference(budget *b) {
     const double two_apart =
         two ? probes_apart(b, ladder_probe(b, m, m->high), ladder_probe(b, g, g->high), of) : 0;
     if (two_apart > field_doubt(b, m, of) + field_doubt(b, g, of)) b->doubt[of] = two_apart;
-    if (!b->scene->dynamic && last == m) b->doubt[of] += field_doubt(b, &b->steps, of);
+    if (!b->scene->dynamic && last != &b->steps) b->doubt[of] += field_doubt(b, &b->steps, of);
   }
-  if (isfinite(b->scene->exact)) {
-    b->reference = b->scene->exact;
-    doubt = 0;
-  }
-  b->doubt[OF_FORCE] = doubt;
+  if (isfinite(b->scene->exact)) b->reference = b->scene->exact;
+  b->doubt[OF_FORCE] = isfinite(b->scene->exact) ? 0 : doubt;
   if (isfinite(m->limit)) m->truth = b->reference;
   if (two) g->truth = b->reference;
   if (b->scene->dynamic || !isfinite(b->steps.limit)) return;
@@ -432,15 +438,18 @@ static void measure(budget *b, dls_error *error) {
   ladder_climb(b, &b->tol, tol_share, error);
   b->mesh.part = "mesh";
   b->mesh.tol = (int)fmin(choose_tol(b) + TIGHTER, 0); /* a fine mesh asks for more */
-  b->graded = b->mesh;
-  b->graded.part = "graded mesh";
-  b->graded.grade = graded;
-  const int two = b->scene->kind == SCENE_AT_ONCE;
-  b->graded.low = 1;
-  b->graded.high = 0;
-  if (two) ladder_climb(b, &b->graded, mesh_share / 2, error);
-  ladder_climb(b, &b->mesh, mesh_share / (1 + two), error);
+  b->second = b->mesh;
+  b->second.part = b->scene->tall ? "mesh of tall elements" : "graded mesh";
+  b->second.low = 1; /* not run */
+  const double second = b->scene->tall ? tall_share : b->scene->grade > 0 ? mesh_share / 2 : 0;
+  if (second > 0) ladder_climb(b, &b->second, second, error);
+  ladder_climb(b, &b->mesh, mesh_share - second, error);
   make_reference(b);
+  ladder *l = better_mesh(b); /* goes on while the doubt alone is more than the accuracy */
+  while (asked_doubt(b) > b->accuracy &&
+         kept * own->got.seconds + foreseen_seconds(b, l, l->high + 1, 0) < seconds_left(b) &&
+         ladder_run(b, l, 1, error))
+    ladder_settle(b, l), make_reference(b);
 }
 
 dls_status budget_run(budget *b, dls_error *error) {

@@ -33,11 +33,10 @@ static const char *asked_words(const budget *b, char text[120]) {
 void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
-  char words[SETTING_ROOM], wanted[24], error[24];
+  char words[SETTING_ROOM], wanted[24], error[24], of[120], worst[40] = "";
   (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
-  char of[120], worst[40] = "";
   (void)asked_words(b, of);
   if (b->of & (b->of - 1))
     (void)snprintf(worst, sizeof worst, ", the %s the worst",
@@ -78,14 +77,15 @@ void budget_accuracy(const budget *b, page *p) {
   }
   page_table_end(p);
   if (b->disagree && b->of & 1 << OF_FORCE)
-    page_say(p, PAGE_PLAIN, "Not decided: the even and the graded mesh tend to answers %s apart.",
-             percent(b->doubt[OF_FORCE], text));
+    page_say(p, PAGE_PLAIN, "Not decided: the even mesh and the %s tend to answers %s apart.",
+             b->second.part, percent(b->doubt[OF_FORCE], text));
   else if (!b->met && b->enough_seconds > 0)
-    page_say(p, PAGE_PLAIN, "Not decided. By %s %s would be enough, in about %.2g s of CPU.",
-             isfinite(b->mesh.low <= b->mesh.high ? b->mesh.order : b->steps.order)
-                 ? "the measured order"
-                 : "an order of 0.5",
-             setting_text(s, &b->enough, 0, more), b->enough_seconds);
+    page_say(p, PAGE_PLAIN,
+             "Not decided. By order %.2g %s would be enough, in about %.3g s of CPU.",
+             b->enough_order, setting_text(s, &b->enough, 0, more), b->enough_seconds);
+  else if (!b->met && b->enough_order > 0)
+    page_say(p, PAGE_PLAIN, "Not decided. By order %.2g, 64 times as fine would not be enough.",
+             b->enough_order);
 }
 
 /* Adds a row of the budget: a run beside the one of which a part was changed. */
@@ -119,9 +119,8 @@ static void say_ladder(page *p, const ladder *l) {
         l->limit, text);
 }
 
-enum { MOST_TRIED = 10 }; /* before the one to take */
-
 static void add_tried(const budget *b, page *p) {
+  enum { MOST_TRIED = 10 }; /* before the one to take */
   char words[SETTING_ROOM], text[24];
   page_table(p, "run,setting,answer,from the reference,CPU s");
   for (int k = 0; k < b->probes; k++) {
@@ -140,12 +139,11 @@ static void add_tried(const budget *b, page *p) {
 void budget_tables(const budget *b, page *p) {
   char text[24];
   const scene *s = b->scene;
-  const char *unit = s->unit;
   char heads[120];
   page_say(p, PAGE_PLAIN,
            "The answer is the %s [%s]. Each row changes one thing of the scene as it is.",
-           s->answer, unit);
-  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", unit);
+           s->answer, s->unit);
+  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", s->unit);
   page_table(p, heads);
   add_change(b, p, "as it is", b->own, b->own);
   setting at;
@@ -155,7 +153,7 @@ void budget_tables(const budget *b, page *p) {
       if (setting_is(&b->probe[k].at, &at)) add_change(b, p, name, b->own, k);
   page_table_end(p);
   say_ladder(p, &b->mesh);
-  say_ladder(p, &b->graded);
+  say_ladder(p, &b->second);
   say_ladder(p, &b->steps);
   if (isfinite(s->exact))
     page_say(p, PAGE_PLAIN, "Reference: %.6g, the closed form [Doyen, Ern, Piperno 2011].",

@@ -108,7 +108,7 @@ TEST(chart_proves_its_reference) {
     ck_assert_double_ge(error, 0.8 * radius);
   }
   ck_assert_int_gt(rows, 20);
-  ck_assert(strstr(contents("chart.gp"), "the proved error in r") != NULL);
+  ck_assert(strstr(contents("chart.gp"), "proved error in r") != NULL);
   /* the first stage of auto begins at iteration 0, which a logarithm moves to 1 */
   ck_assert_ptr_nonnull(strstr(contents("chart.gp"), "set arrow from first 1,graph 0"));
   /* the band ends where it begins: at the first tolerance, by twice the time */

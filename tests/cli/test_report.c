@@ -132,61 +132,53 @@ TEST(pressure_holds) {
 
 static const struct {
   const char *arguments, *page;
-  int status;
   const char *says[8];
 } reports[] = {
     {"report jean-fig3 --cpu 2 --text -o @",
      "jean-fig3.html",
-     0,
      {"Take ", "== Error budget ==", "mesh * 2", "weighted reactions", "no friction",
       "Uniqueness: unknown at friction 1", "== Stability ==", "== Contacts =="}},
     {"report bar-impact --quick --cpu 4 --text -o @",
      "bar-impact.html",
-     0,
      {"impulse of the wall and its curve within 1 %", "mesh * 2", "lumped mass", "== Motion",
       "of the closed form", "delassus scene --mesh=", "Uniqueness: unknown"}},
+    {"report two-blocks --cpu 4 --text -o @",
+     "two-blocks.html",
+     {"work of friction", "Uniqueness: unknown; a free body has no W.", "== Stability =="}},
 #ifdef __SANITIZE_ADDRESS__ /* takes three times as long */
     {"report extrusion --quick --cpu 24 --accuracy 0.1 --text -o @",
 #else
     {"report extrusion --quick --cpu 8 --accuracy 0.1 --text -o @",
 #endif
      "extrusion.html",
-     0,
      {"force on the ram", "estimated to", "penalty, factor 1000", "penalty, factor 2000"}},
     {"report data/failures/c28-nearly-singular.txt --cpu 1 --text -o @",
      "c28-nearly-singular.html",
-     0,
      {"Take auto, tol 1e-02: reactions within 1 %", "(proved: ",
       "Stability: auto solves it to 1e-12", "tolerance 1e-12", "== Stability ==", "2 contacts: "}},
     {"report data/failures/c01-three-solutions.txt --quick --text -o @",
      "c01-three-solutions.html",
-     0,
      {"Uniqueness: three answers, proved: r = 0 0; r = 2 -3; r = 1 -2.",
       "delassus solve --tol=1e-01 data/failures/c01-three-solutions.txt"}},
-    /* momentum gives the impulse for nothing */
     {"report bar-bounce --quick --accuracy .1 --of force --text -o @",
      "bar-bounce.html",
-     0,
      {"impulse of the wall and its curve within 10 %", "the closed form, 533.333 N s",
       "the curve the worst", "curve over the steps (L2)", "energy drift"}},
     {"report jean-moving4 --quick --accuracy .001 --of force --cpu 20 --text -o @",
      "jean-moving4.html",
-     0,
      {"work of friction within 0.1 % (estimated to: ", "the limit of the steps, 13.22"}},
     {"report data/failures/c05-hyperstatic.txt --quick --text -o @",
      "c05-hyperstatic.html",
-     0,
      {"positions within 1 %", "W does not determine the reactions"}},
     {"report data/failures/c04-squeezed.txt --quick --text -o @",
      "c04-squeezed.html",
-     1,
      {"Not solved by auto: no solution exists", "There is no answer."}}};
 enum { report_count = sizeof reports / sizeof reports[0] };
 
 /* The text on stdout has each part, and the page all of its words. */
 TEST_EACH(page_and_text, 0, report_count) {
-  if (!WITH_MUMPS && strstr(reports[_i].arguments, "jean")) return; /* its finer meshes */
-  ck_assert_int_eq(run(reports[_i].arguments), reports[_i].status);
+  if (!WITH_MUMPS && strstr(reports[_i].arguments, "jean")) return;     /* its finer meshes */
+  ck_assert_int_eq(run(reports[_i].arguments), _i == report_count - 1); /* it has no answer */
   for (int k = 0; k < 8 && reports[_i].says[k]; k++)
     ck_assert_msg(strstr(output, reports[_i].says[k]) != NULL, "no '%s' in %s", reports[_i].says[k],
                   output);
