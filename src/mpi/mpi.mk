@@ -51,7 +51,7 @@ RANKS = 1 2 4
 check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(PROGRAM) $(MPI_EXAMPLES)
 	@tests/mpi/run.sh $(BUILD) $(RANKS)
 
-$(BUILD)/bench/mpi $(BUILD)/bench/mpi_global: $(BUILD)/bench/%: $(BUILD)/obj/bench/%.o $(call obj,bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
+$(BUILD)/bench/mpi $(BUILD)/bench/mpi_global: $(BUILD)/bench/%: $(BUILD)/obj/bench/%.o $(call obj,bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c tests/shared/solids.c) $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -Wl,--wrap=clock_gettime -o $@ $^ $(MPI_LIBS_ALL) -lmpi_mpifh
