@@ -242,12 +242,15 @@ TEST(map_of_problems) {
   ck_assert_int_eq(count_of(csv, "c20-scales,"), without_model);
 }
 
-TEST(map_against_rank) {
-  ck_assert_int_eq(run("map data/failures/c20-scales.txt --against rank --samples 2 --rows 2 -o @"),
-                   0);
+TEST_EACH(map_against_damage, 0, 2) {
+  char line[100];
+  (void)snprintf(line, sizeof line, "map data/failures/c20-scales.txt --against %s -o @ %s",
+                 _i ? "skew" : "rank", "--samples 2 --rows 2");
+  ck_assert_int_eq(run(line), 0);
   const char *csv = contents("map.csv");
   ck_assert_int_eq(count_of(csv, "\n"), 1 + 2 * 7 * without_model);
-  ck_assert_int_eq(count_of(csv, ",1,auto,1,0\n"), 2); /* full rank: all solved */
+  /* full rank, symmetric: all solved */
+  ck_assert_int_eq(count_of(csv, _i ? ",0,auto,1,0\n" : ",1,auto,1,0\n"), 2);
 }
 
 TEST(map_of_a_scene_in_steps) {
