@@ -242,7 +242,8 @@ static void list_columns(map_run *m, const problem *alone) {
   for (int k = 0; k < count; k++) {
     if (alone && !race_takes(&all[k], &alone->contact, alone)) continue;
     m->who[p->columns] = all[k];
-    const char *name = strcmp(all[k].name, "augmented-lagrangian") ? all[k].name : "augm. L.";
+    const char *name = all[k].name + (strncmp(all[k].name, "nlgs+", 5) ? 0 : 4); /* +aitken */
+    if (!strcmp(name, "augmented-lagrangian")) name = "augm. L.";
     (void)snprintf(p->column[p->columns++], MAP_NAME, "%.40s", name);
   }
 }
