@@ -1,6 +1,4 @@
 /* run.c: implements run.h. */
-#include <sys/resource.h>
-
 #include "run.h"
 
 typedef struct test_row {
@@ -20,16 +18,10 @@ void enlist_test(const TTest *test, int first, int last) {
   rows[k] = (test_row){test, first, last};
 }
 
-/* Gives a test 300 s of CPU in a process of its own; a busy machine may take an hour for them. */
-static void limit_cpu(void) {
-  if (!getenv("CK_FORK")) ck_assert_int_eq(setrlimit(RLIMIT_CPU, &(struct rlimit){300, 300}), 0);
-}
-
 int run_tests(const char *name, void (*setup)(void), void (*teardown)(void)) {
   Suite *suite = suite_create(name);
   TCase *all = tcase_create(name);
-  tcase_set_timeout(all, 3600);
-  tcase_add_checked_fixture(all, limit_cpu, NULL);
+  tcase_set_timeout(all, 300); /* seconds for one test, under a sanitizer too */
   tcase_add_checked_fixture(all, setup, teardown);
   for (int k = 0; k < count; k++)
     tcase_add_loop_test(all, rows[k].test, rows[k].first, rows[k].last);
