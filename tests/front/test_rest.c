@@ -356,7 +356,8 @@ TEST(wrong_behind_heat) {
   solids_free(&S);
 }
 
-/* Fails if K x - f - H r is more than `part` of the largest load, or a gap more than 1e-5 of the largest length. */
+/* Fails if K x - f - H r is more than `part` of the largest load, or a gap more than 1e-5 of the
+ * largest length. */
 static void at_rest(const dls_model *model, const double *f, const double *g, const double *x,
                     const double *r, double part) {
   double *e = calloc((size_t)model->n, sizeof *e), u[64], R[64] = {0}, load = 0, length = 0;
