@@ -37,8 +37,9 @@
  *            B = sum b_j G_j G_j^T,  b_j = min(1 / L_j, 20): rows that a contact holds are stiff
  *            dx := M (v_x + H F b v_y),  dy := b (v_y - G^T H^T dx)
  *          P is symmetric; the mu t of F is left to FGMRES. s = 1/10: the compliance of a surface,
- *          against that of a node with its neighbours held. 30 steps. P is made anew if a state
- *          changes. No E: if the states leave a motion free, M may fail, and the splitting goes on.
+ *          against that of a node with its neighbours held. 30 steps, of which six have to halve
+ *          the measure. P is made anew if a state changes. No E: if the states leave a motion
+ *          free, M may fail, and the splitting goes on.
  *
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */

@@ -26,7 +26,7 @@ src/motion 1167
 src/fe 4996
 src/console 2300
 src/problem 4610
-src/charts 2730
+src/charts 2717
 src/report 2180
 src/cli 2230
 src/mpi 3847

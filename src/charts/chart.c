@@ -23,13 +23,6 @@ enum { most_rows_of_rank = 1500, most_rows_of_prediction = 600 }; /* each takes 
 /* auto is the advice unless another method is faster by more than this on the whole. */
 static const double prefer_auto = 1.25;
 
-typedef struct chart_options {
-  source from;
-  int repeat;
-  double limit, budget;
-  const char *out;
-} chart_options;
-
 static void chart_usage(FILE *out) {
   fputs("Usage: delassus chart [OPTION]... FILE|SCENE\n"
         "  or:  delassus chart [OPTION]... --W=W --q=Q --mu=MU (or --stiffness=K ...)\n"
@@ -274,7 +267,7 @@ static dls_status chart_histories(chart *c, double limit, dls_error *error) {
   return status < 0 ? status : DLS_OK;
 }
 
-static dls_status chart_measure(chart *c, const chart_options *o, dls_error *error) {
+static dls_status chart_measure(chart *c, const race_options *o, dls_error *error) {
   for (int rung = 0; rung < CHART_RUNGS; rung++)
     c->tol[rung] = pow(10, -2 - rung);
   const race_plan plan = {.rungs = CHART_RUNGS,
@@ -311,7 +304,7 @@ static int chart_fails(const chart *c) {
   return -1;
 }
 
-static int run_chart(const char *name, const chart_options *o) {
+static int run_chart(const char *name, const race_options *o) {
   const char *out = NULL;
   chart c = {.limit = o->limit};
   dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
@@ -343,14 +336,8 @@ static int run_chart(const char *name, const chart_options *o) {
 }
 
 int command_chart(int argc, char **argv) {
-  static const option_row options[] = {ROW(A_COUNT, "repeat", 'r', chart_options, repeat),
-                                       ROW(A_NUMBER, "limit", 'l', chart_options, limit),
-                                       ROW(A_NUMBER, "budget", 'b', chart_options, budget),
-                                       ROW(A_TEXT, "out", 'o', chart_options, out),
-                                       SOURCE_OPTIONS(chart_options, from),
-                                       LAST_OPTIONS};
-  static const command chart_command = {options, chart_usage, NULL, 0};
-  chart_options o = {.repeat = 25, .limit = 1, .budget = 12};
+  static const command chart_command = {race_option_rows, chart_usage, NULL, 0};
+  race_options o = {.repeat = 25, .limit = 1, .budget = 12};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;
   int count = argc - optind;

@@ -14,13 +14,6 @@ enum { PROFILE_RUNGS = 7, PROFILE_TARGETS = 3 };
 static const double profile_tol[PROFILE_RUNGS] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
 static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
-typedef struct profile_options {
-  source from;
-  int repeat;
-  double limit, budget;
-  const char *out;
-} profile_options;
-
 static void profile_usage(FILE *out) {
   fputs(
       "Usage: delassus profile [OPTION]... FILE|SCENE...\n"
@@ -82,7 +75,7 @@ static void profile_take(profile *p, const race *a, const char *name) {
   p->problems++;
 }
 
-static int profile_add(profile *p, const char *name, const profile_options *o) {
+static int profile_add(profile *p, const char *name, const race_options *o) {
   const race_plan plan = {.rungs = PROFILE_RUNGS,
                           .tol = profile_tol,
                           .repeat = o->repeat,
@@ -203,7 +196,7 @@ static int draw_middle(const profile *p, const char *directory) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-static int run_profile(int count, char **list, const profile_options *o) {
+static int run_profile(int count, char **list, const race_options *o) {
   profile p = {.most = count};
   p.solvers = list_contenders(p.who);
   const size_t cells = PROFILE_RUNGS * (size_t)p.solvers * (size_t)count;
@@ -239,14 +232,8 @@ static int run_profile(int count, char **list, const profile_options *o) {
 }
 
 int command_profile(int argc, char **argv) {
-  static const option_row options[] = {ROW(A_COUNT, "repeat", 'r', profile_options, repeat),
-                                       ROW(A_NUMBER, "limit", 'l', profile_options, limit),
-                                       ROW(A_NUMBER, "budget", 'b', profile_options, budget),
-                                       ROW(A_TEXT, "out", 'o', profile_options, out),
-                                       SOURCE_OPTIONS(profile_options, from),
-                                       LAST_OPTIONS};
-  static const command profile_command = {options, profile_usage, NULL, 0};
-  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6};
+  static const command profile_command = {race_option_rows, profile_usage, NULL, 0};
+  race_options o = {.repeat = 15, .limit = 0.5, .budget = 6};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
   int count = argc - optind;

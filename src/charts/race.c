@@ -5,6 +5,13 @@
 
 #include "race.h"
 
+const option_row race_option_rows[] = {ROW(A_COUNT, "repeat", 'r', race_options, repeat),
+                                       ROW(A_NUMBER, "limit", 'l', race_options, limit),
+                                       ROW(A_NUMBER, "budget", 'b', race_options, budget),
+                                       ROW(A_TEXT, "out", 'o', race_options, out),
+                                       SOURCE_OPTIONS(race_options, from),
+                                       LAST_OPTIONS};
+
 /* CPU that a method may take over the fastest before it counts as over time. */
 static const double patience = 30;
 

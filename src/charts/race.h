@@ -17,6 +17,15 @@
 
 /* ---- race.c ---------------------------------------------------------------------------------- */
 
+/* The options of chart and profile. */
+typedef struct race_options {
+  source from;
+  int repeat;
+  double limit, budget;
+  const char *out;
+} race_options;
+extern const option_row race_option_rows[];
+
 /* One method, one tolerance. */
 typedef struct trial {
   ending end;
