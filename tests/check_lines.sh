@@ -27,12 +27,12 @@ src/fe 4996
 src/console 2300
 src/problem 4610
 src/charts 2717
-src/report 2180
+src/report 2205
 src/cli 2230
 src/mpi 3847
 src/python 2872
 src/fortran 579
-tests 65939
+tests 65960
 bench 12951
 examples 2799
 END

@@ -179,7 +179,9 @@ static void first_screen(report *a, const budget *b, const problem *p) {
   const probe *take = &b->probe[b->take];
   char options[SETTING_ROOM];
   budget_accuracy(b, &a->page);
-  if (take->got.reduction > 0)
+  if (take->got.status)
+    page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, up to there.", take->got.seconds);
+  else if (take->got.reduction > 0)
     page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, %.2g s of these to reduce K to W.",
              take->got.seconds, take->got.reduction);
   else

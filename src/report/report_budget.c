@@ -32,9 +32,10 @@ static const double well_known = 0.25;      /* of the accuracy: a limit is not r
 static const double tol_part = 0.02;        /* of the accuracy that the tolerance may take, ... */
 static const double steps_part = 0.1;       /* ... and the steps on the ladder of meshes */
 static const double slow = 0.01, kept = 12; /* of the CPU: a slow scene; own runs for 7 */
-static const double alike = 0.3, least_order = 0.5; /* orders of a regular ladder */
-static const double safe = 1.25, unsafe = 3;        /* factors of the grid convergence index */
-static const double loosest_tol = 0.11;             /* a tenth, with its rounding */
+static const double alike = 0.3, least_order = 0.5;  /* orders of a regular ladder */
+static const double safe = 1.25, unsafe = 3;         /* factors of the grid convergence index */
+static const double loosest_tol = 0.11;              /* a tenth, with its rounding */
+static const double most_over = 2, most_part = 0.05; /* of what is foreseen; of the CPU: a level */
 enum { MOST_LEVELS = 12, TIGHTER = 2 }; /* beyond a ladder, to extrapolate; digits of tol */
 
 const char *const quantity_names[] = {"force", "curve", "pressure", "edge", "slip", "drift"};
@@ -45,15 +46,17 @@ static double seconds_left(const budget *b) {
   return b->limit - (cpu_seconds() - b->start);
 }
 
-/* Runs the scene, unless it has run so. Returns the probe; -1 if there is no room or time. */
-static int run_probe(budget *b, const setting *at, const char *part, dls_error *error) {
+/* Runs the scene in so many CPU seconds, unless it has run so. Returns the probe; -1 if there is no
+ * room or time. */
+static int run_probe(budget *b, const setting *at, const char *part, double seconds,
+                     dls_error *error) {
   for (int k = 0; k < b->probes; k++)
     if (setting_is(&b->probe[k].at, at)) return k;
-  if (b->probes == MOST_PROBES || b->status || was_interrupted() || seconds_left(b) <= 0) return -1;
+  if (b->probes == MOST_PROBES || b->status || was_interrupted() || seconds <= 0) return -1;
   probe *p = &b->probe[b->probes];
   *p = (probe){.at = *at, .part = part};
   progress_part(part);
-  b->status = scene_run(b->scene, at, seconds_left(b), &p->got, error);
+  b->status = scene_run(b->scene, at, seconds, &p->got, error);
   return b->status || was_interrupted() ? -1 : b->probes++;
 }
 
@@ -94,18 +97,20 @@ static double ladder_seconds(const budget *b, const ladder *l, int level) {
   return k < 0 ? (double)NAN : b->probe[k].got.seconds;
 }
 
-/* Runs the next level, below (up = 0) or above; returns 0 if the ladder ends there. */
-static int ladder_run(budget *b, ladder *l, int up, dls_error *error) {
+/* Runs the next level, below (up = 0) or above, in so many CPU seconds or a part of all; returns 0
+ * if the ladder ends before it. */
+static int ladder_run(budget *b, ladder *l, int up, double seconds, dls_error *error) {
   const int level = up ? l->high + 1 : l->low - 1;
   if (level < LOWEST || level > HIGHEST) return 0;
   const setting at = at_level(b, l, level), next = at_level(b, l, up ? l->high : l->low);
   if (setting_is(&at, &next) || at.tol > loosest_tol || (!up && is_mesh(b, l) && at.nx <= 2))
     return 0;
-  const int k = run_probe(b, &at, l->part, error);
-  if (k < 0) return 0;
+  const double most = fmax(seconds, most_part * b->limit);
+  const int k = run_probe(b, &at, l->part, fmin(most, seconds_left(b)), error);
+  if (k < 0 || !isfinite(b->probe[k].got.value)) return 0;
   l->run[level - LOWEST] = k;
   *(up ? &l->high : &l->low) = level;
-  return b->probe[k].got.status == DLS_OK;
+  return 1;
 }
 
 /* Returns by how much the value changes over a factor 2 up to the level. */
@@ -214,13 +219,14 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
   l->high = 0;
   l->limit = l->order = NAN;
   if (setting_is(&up, &own)) return; /* the scene has no such part */
-  const int k0 = run_probe(b, &own, l->part, error);
-  if (k0 < 0) return;
+  const int k0 = run_probe(b, &own, l->part, seconds_left(b), error);
+  if (k0 < 0 || !isfinite(b->probe[k0].got.value)) return;
   l->low = 0;
   for (int k = 0; k < LEVELS; k++)
     l->run[k] = -1;
   l->run[-LOWEST] = k0;
-  while (cpu_seconds() - start < share / 2 && ladder_run(b, l, 0, error))
+  while (cpu_seconds() - start < share / 2 &&
+         ladder_run(b, l, 0, most_over * ladder_seconds(b, l, l->low), error))
     ;
   for (;;) {
     ladder_settle(b, l);
@@ -232,7 +238,8 @@ static void ladder_climb(budget *b, ladder *l, double part, dls_error *error) {
         beside_exact(b, l, l->high) && beside_exact(b, l, l->high - 1))
       return;
     if (l == &b->tol && l->high == 1) return;
-    if (cpu_seconds() - start + next > share || !ladder_run(b, l, 1, error)) return;
+    const double left = share - (cpu_seconds() - start);
+    if (next > left || !ladder_run(b, l, 1, fmin(left, most_over * next), error)) return;
   }
 }
 
@@ -270,6 +277,13 @@ static double asked_doubt(const budget *b) {
   return worst;
 }
 
+/* Returns the kind of mesh whose limit is the less doubtful, of those that were run. */
+static ladder *better_mesh(budget *b) {
+  const ladder *m = &b->mesh, *g = &b->second;
+  const int second = g->low <= g->high && (m->low > m->high || g->doubt < m->doubt);
+  return second ? &b->second : &b->mesh;
+}
+
 /* A setting to try. */
 typedef struct candidate {
   double seconds, error; /* as predicted; candidates are sorted by the first member */
@@ -300,12 +314,12 @@ static double foreseen_seconds(const budget *b, const ladder *of, int mesh, int 
          ladder_cost(b, &b->steps, of->steps);
 }
 
-static int list_candidates(const budget *b, candidate *list) {
+static int list_candidates(budget *b, candidate *list) {
   const ladder *const meshes[] = {&b->mesh, &b->second}, *steps = &b->steps;
   int count = 0;
   for (int k = 0; k < 2; k++) {
     const ladder *of = meshes[k];
-    if (of->low > of->high && k) continue;
+    if (of->low > of->high && better_mesh(b) != of) continue;
     for (int i = of->low > of->high ? 0 : of->low; i <= fmax(0, of->high); i++)
       for (int j = steps->low > steps->high ? 0 : steps->low; j <= fmax(0, steps->high); j++) {
         const double error = ladder_error(b, of, i) + ladder_error(b, steps, j);
@@ -323,7 +337,7 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
   for (int mesh = 2; mesh > 0; mesh--) {
     if (foreseen_seconds(b, c->of, c->mesh + mesh, c->steps + steps) > seconds_left(b)) continue;
     const setting at = on_mesh(b, c->of, c->mesh + mesh, c->steps + steps, tol + 1);
-    return run_probe(b, &at, "check", error);
+    return run_probe(b, &at, "check", seconds_left(b), error);
   }
   return -1;
 }
@@ -332,7 +346,7 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
  * ladders; returns 1 if it is within the accuracy and its check agrees. */
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
   const setting at = on_mesh(b, c->of, c->mesh, c->steps, tol);
-  const int k = run_probe(b, &at, "search", error);
+  const int k = run_probe(b, &at, "search", seconds_left(b) / 2, error);
   if (k < 0 || b->probe[k].got.status || !(asked_error(b, k) <= b->accuracy))
     return k >= 0 && tol < c->of->tol && try_candidate(b, c, c->of->tol, error);
   const int run = run_check(b, c, tol, error);
@@ -345,12 +359,6 @@ static int try_candidate(budget *b, const candidate *c, int tol, dls_error *erro
   b->check = check;
   b->error = error_of;
   return b->met = error_of <= b->accuracy;
-}
-
-/* Returns the kind of mesh whose limit is the less doubtful. */
-static ladder *better_mesh(budget *b) {
-  const int second = b->second.low <= b->second.high && b->second.doubt < b->mesh.doubt;
-  return second ? &b->second : &b->mesh;
 }
 
 /* Takes the finest level, unless what was tried is better, and finds by the order what would be
@@ -390,7 +398,7 @@ static void run_variants(budget *b, dls_error *error) {
   const char *name;
   for (int k = 0; (name = setting_variant(b->scene, k, &at)); k++)
     if (*name && b->probe[b->own].got.seconds < seconds_left(b))
-      (void)run_probe(b, &at, name, error);
+      (void)run_probe(b, &at, name, seconds_left(b), error);
 }
 
 /* The closed form; else the limit of the mesh with the smaller doubt, which both meshes have in
@@ -398,7 +406,7 @@ static void run_variants(budget *b, dls_error *error) {
 static void make_reference(budget *b) {
   ladder *m = &b->mesh, *g = &b->second;
   const double own = b->probe[b->own].got.value;
-  const int two = g->low <= g->high;
+  const int two = m->low <= m->high && g->low <= g->high;
   const ladder *best = better_mesh(b);
   b->reference = isfinite(best->limit) ? best->limit : own;
   double doubt = isfinite(best->limit) ? best->doubt : 0;
@@ -407,8 +415,9 @@ static void make_reference(budget *b) {
                 !(fabs(g->limit / m->limit - 1) <= g->doubt + m->doubt);
   if (b->disagree) doubt = fabs(g->limit / m->limit - 1);
   for (quantity_of of = OF_CURVE; of < OF_COUNT; of++) {
-    const ladder *last = m->low <= m->high ? m : &b->steps;
-    if (two && field_doubt(b, g, of) < field_doubt(b, m, of)) last = g;
+    const ladder *last = best;
+    if (two) last = field_doubt(b, g, of) < field_doubt(b, m, of) ? g : m;
+    if (last->low > last->high) last = &b->steps;
     b->finest[of] = last->low <= last->high ? ladder_probe(b, last, last->high) : b->own;
     b->doubt[of] = field_doubt(b, last, of);
     const double two_apart =
@@ -418,11 +427,10 @@ static void make_reference(budget *b) {
   }
   if (isfinite(b->scene->exact)) b->reference = b->scene->exact;
   b->doubt[OF_FORCE] = isfinite(b->scene->exact) ? 0 : doubt;
-  if (isfinite(m->limit)) m->truth = b->reference;
-  if (two) g->truth = b->reference;
+  m->truth = g->truth = b->reference;
   if (b->scene->dynamic || !isfinite(b->steps.limit)) return;
   b->reference +=
-      b->steps.limit - (isfinite(m->limit) ? ladder_value(b, &b->steps, m->steps) : own);
+      b->steps.limit - (isfinite(best->limit) ? ladder_value(b, &b->steps, m->steps) : own);
   b->doubt[OF_FORCE] += b->steps.doubt;
 }
 
@@ -448,7 +456,7 @@ static void measure(budget *b, dls_error *error) {
   ladder *l = better_mesh(b); /* goes on while the doubt alone is more than the accuracy */
   while (asked_doubt(b) > b->accuracy &&
          kept * own->got.seconds + foreseen_seconds(b, l, l->high + 1, 0) < seconds_left(b) &&
-         ladder_run(b, l, 1, error))
+         ladder_run(b, l, 1, most_over * foreseen_seconds(b, l, l->high + 1, 0), error))
     ladder_settle(b, l), make_reference(b);
 }
 
@@ -460,7 +468,7 @@ dls_status budget_run(budget *b, dls_error *error) {
   if (b->scene->dynamic && b->of & 1 << OF_FORCE) b->of |= 1 << OF_CURVE;
   b->of &= b->scene->has;
   b->reference = b->error = b->enough_seconds = NAN;
-  b->own = run_probe(b, &b->scene->own, "own", error);
+  b->own = run_probe(b, &b->scene->own, "own", seconds_left(b), error);
   if (b->own < 0) return b->status;
   measure(b, error);
   static candidate list[2 * LEVELS * LEVELS];

@@ -30,6 +30,11 @@ static const char *asked_words(const budget *b, char text[120]) {
   return text;
 }
 
+/* Returns 0 if the scene did not finish, or has run but once. */
+static int knows_error(const budget *b) {
+  return !b->probe[b->take].got.status && isfinite(b->error);
+}
+
 void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
@@ -44,6 +49,9 @@ void budget_verdict(const budget *b, char *text, size_t size) {
   if (take->got.status) {
     (void)snprintf(text, size, "%s does not finish: %s, after %.0f %% of the steps", s->name,
                    dls_status_text(take->got.status), 100 * take->got.part);
+  } else if (!isfinite(b->error)) {
+    (void)snprintf(text, size, "Take %s: its error is unknown, %.3g s of CPU are too few (--cpu=S)",
+                   words, b->limit);
   } else if (b->met) {
     (void)snprintf(text, size, "Take %s: %s within %s (estimated to: %s%s), %.2g s of CPU", words,
                    of, wanted, error, worst, take->got.seconds);
@@ -62,6 +70,7 @@ void budget_accuracy(const budget *b, page *p) {
                                       "energy drift (of the energies in a step)"};
   char text[24], more[SETTING_ROOM];
   const scene *s = b->scene;
+  if (!knows_error(b)) return;
   page_say(p, PAGE_PLAIN, "Accuracy, from %s, %.6g %s, and the finest run:",
            isfinite(s->exact)            ? "the closed form"
            : b->mesh.low <= b->mesh.high ? "the limit of the meshes"
@@ -152,6 +161,7 @@ void budget_tables(const budget *b, page *p) {
     for (int k = 0; k < b->probes && *name; k++)
       if (setting_is(&b->probe[k].at, &at)) add_change(b, p, name, b->own, k);
   page_table_end(p);
+  if (!knows_error(b)) return;
   say_ladder(p, &b->mesh);
   say_ladder(p, &b->second);
   say_ladder(p, &b->steps);
@@ -222,6 +232,7 @@ int budget_picture(const budget *b, const char *directory) {
                                        "tried together"};
   int points[4];
   if (!budget_csv(b, directory) || !budget_data(b, directory, points)) return 0;
+  if (!knows_error(b)) return 0; /* nothing to compare */
   FILE *s = open_script(directory, "budget");
   if (!s) return 0;
   fputs("set datafile missing 'NaN'\n", s);

@@ -79,6 +79,25 @@ TEST(advice_holds) {
   ck_assert_double_gt(fabs(force_at(nx / 2, ny / 2, tol) / fine - 1), 0.01);
 }
 
+/* CPU for little more than one run of the scene says nothing of its error, and so does the page. */
+TEST(cpu_for_one_run) {
+  ck_assert_int_eq(run("scene indentation --quiet --json"), 0);
+  const double cpu = number_of("cpu_seconds");
+  for (int k = 1; k <= 3; k += 2) { /* half a run, one and a half */
+    char arguments[100];
+    (void)snprintf(arguments, sizeof arguments,
+                   "report indentation --quick --cpu %.3f --text -o @/r", k * cpu / 2);
+    const int status = run(arguments), finishes = strstr(output, "it finishes") != NULL;
+    ck_assert_msg(status == !finishes && (k > 1 || !finishes), "%s", output);
+    ck_assert_int_eq(strstr(output, "its error is unknown") != NULL, finishes);
+    ck_assert_int_eq(strstr(output, "CPU are too few (--cpu=S).") != NULL, finishes);
+    ck_assert_ptr_nonnull(strstr(output, finishes ? "CPU, all steps" : "CPU, up to there"));
+    ck_assert_ptr_null(strstr(output, "By order"));
+    ck_assert_msg(!strstr(output, " 0 %") && !strstr(output, "nan") && !strstr(output, "Warning"),
+                  "%s", output);
+  }
+}
+
 enum { PIECES = 50 };
 
 /* Fills the mean pressure of 50 equal parts of the contact line of jean-fig3, whose nodes stand for
