@@ -33,7 +33,7 @@ src/mpi 3847
 src/python 2872
 src/fortran 579
 tests 65939
-bench 12951
+bench 12664
 examples 2799
 END
 [ "${bad:-0}" = 0 ] && echo "lines: $sum, no room over its budget"
