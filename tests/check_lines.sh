@@ -11,11 +11,11 @@ while read -r room budget; do
 done <<END
 include 4922
 src/base 1327
-src/contact 3736
+src/contact 3746
 src/linear 4143
 src/geometry 1194
 lcp 3448
-vi 9743
+vi 9698
 reduction 2255
 global 3637
 src/files 3719
