@@ -384,9 +384,9 @@ threads:
 	for run in $$(seq $(RUNS)); do for test in $(THREADS); do \
 	  CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $$test || exit 1; done; done
 
-# lines and branches of the library that no test runs; the slow tests of forming are left out
+# lines and branches of the library that no test runs; the slow tests of forming and reports are left out
 .PHONY: coverage
-COVERED = $(filter-out %/test_forming %/test_forming_body %/test_forming_cli %/test_charts,$(TESTS))
+COVERED = $(filter-out %/test_forming %/test_forming_body %/test_forming_cli %/test_charts %/test_report,$(TESTS))
 coverage:
 	@$(MAKE) --no-print-directory coverage-build BUILD=$(BUILD)/coverage CFLAGS='-O0 -g' SANITIZE=--coverage
 	@python3 tests/torment/coverage.py $(BUILD)/coverage

@@ -38,52 +38,49 @@ static const dls_method method_of[methods] = {
 
 /* ---- problems -------------------------------------------------------------------------------- */
 
-/* Allocates W, q, mu in one piece; exits without memory, as a bench may. */
-static dls_contact dense_problem(int d, int nc) {
-  const int m = d * nc;
-  const size_t M = (size_t)m;
-  double *W = malloc((M * M + M + (size_t)nc) * sizeof *W);
-  if (!W) exit(1);
-  return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, W}, .q = W + M * M, .mu = W + M * M + M};
-}
+/* That of a file, or one that is made here. */
+typedef struct either {
+  problem file;
+  regret_problem made;
+  const dls_contact *contact;
+} either;
 
-static dls_contact stamp(int n) {
-  const dls_contact p = dense_problem(3, n * n);
-  double *q = (double *)p.q, *mu = (double *)p.mu, *at = malloc(2 * (size_t)p.nc * sizeof *at);
-  if (!at) exit(1);
-  for (int c = 0; c < p.nc; c++) {
+static void make_stamp(int n, regret_problem *p) {
+  const int nc = n * n;
+  double *at = malloc(2 * (size_t)nc * sizeof *at);
+  if (!at || regret_room(p, 3, nc)) exit(1);
+  for (int c = 0; c < nc; c++) {
     const double x = at[2 * c] = (double)(c % n) / n - 0.5;
     const double y = at[2 * c + 1] = (double)(c / n) / n - 0.5;
-    q[3 * c] = -0.1 + 0.15 * x;
-    q[3 * c + 1] = 0.02 - 0.1 * y;
-    q[3 * c + 2] = 0.1 * x;
-    mu[c] = 0.5;
+    p->own.q[3 * c] = -0.1 + 0.15 * x;
+    p->own.q[3 * c + 1] = 0.02 - 0.1 * y;
+    p->own.q[3 * c + 2] = 0.1 * x;
+    p->own.mu[c] = 0.5;
   }
-  half_space(p.nc, at, 1. / n, (double *)p.W.a);
+  half_space(nc, at, 1. / n, p->W);
   free(at);
-  return p;
 }
 
 /* Returns 1 if the problem is there, 0 after a message. */
-static int named_problem(const char *name, problem *p) {
+static int named_problem(const char *name, either *p) {
   int n;
   const source from = {.matrices = {.on = DLS_ON_W}};
-  memset(p, 0, sizeof *p);
+  *p = (either){.contact = &p->made.contact};
   if (sscanf(name, "contact-%d", &n) == 1) {
-    p->contact = stamp(n);
-    return 1;
+    make_stamp(n, &p->made);
+  } else if (sscanf(name, "plane-%d", &n) == 1) {
+    if (regret_room(&p->made, 2, n)) exit(1);
+    (void)half_plane(p->made.W, p->made.own.q, p->made.own.mu, n, 100, 0.5, 0, 1);
+  } else {
+    p->contact = &p->file.contact;
+    return problem_open(name, &from, &p->file);
   }
-  if (sscanf(name, "plane-%d", &n) == 1) {
-    const dls_contact to = dense_problem(2, n);
-    p->contact = half_plane((double *)to.W.a, (double *)to.q, (double *)to.mu, n, 100, 0.5, 0, 1);
-    return 1;
-  }
-  return problem_open(name, &from, p);
+  return 1;
 }
 
-static void drop_problem(problem *p) {
-  if (!p->file) free((void *)(size_t)p->contact.W.a);
-  problem_free(p);
+static void drop_problem(either *p) {
+  regret_free(&p->made);
+  problem_free(&p->file);
 }
 
 static const char *short_name(const char *path) {
@@ -95,7 +92,7 @@ static const char *short_name(const char *path) {
 
 typedef struct result {
   dls_status status;
-  double seconds; /* the least */
+  bench_clock clock;
   dls_info info;
 } result;
 
@@ -112,17 +109,15 @@ static void compare_methods(const dls_contact *p, double tol, result *all) {
     s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
     if (k == 1) s.acceleration = DLS_ACCELERATION_ANDERSON;
     if (k < 2) s.limits.max_iterations = most_sweeps;
-    all[k] = (result){.seconds = INFINITY};
+    all[k] = (result){DLS_OK};
     if (!r || dls_solver_create(&solver[k], p->d, p->nc, &s, NULL)) exit(1);
   }
   for (int round = 0; round < 50 && (round < 2 || total < 0.1); round++)
     for (int k = 0; k < methods; k++) {
-      if (round > 1 && all[k].status && all[k].seconds > 0.1) continue; /* known */
-      const double start = bench_seconds();
+      if (round > 1 && all[k].status && all[k].clock.least > 0.1) continue; /* known */
+      bench_start(&all[k].clock);
       all[k].status = dls_solver_solve(solver[k], p, r, NULL, &all[k].info, NULL);
-      const double seconds = bench_seconds() - start;
-      total += seconds;
-      if (seconds < all[k].seconds) all[k].seconds = seconds;
+      total += bench_stop(&all[k].clock);
     }
   for (int k = 0; k < methods; k++)
     dls_solver_destroy(solver[k]);
@@ -148,7 +143,7 @@ static void print_row(FILE *page, const char *name, const dls_contact *p, double
     if (all[k].status)
       bench_print(page, " - |");
     else
-      bench_print(page, " %.3g |", 1e3 * all[k].seconds);
+      bench_print(page, " %.3g |", 1e3 * all[k].clock.least);
   }
   const dls_info *info = &all[auto_at].info;
   for (int k = 0; k < info->stages; k++)
@@ -159,9 +154,8 @@ static void print_row(FILE *page, const char *name, const dls_contact *p, double
 
 static void print_summary_head(FILE *page) {
   bench_print(page,
-              "\nCPU over that of the fastest other single method that solves the problem.\n\n"
-              "| tol | method | solved | median | largest |\n"
-              "|---|---|---|---|---|\n");
+              "\nCPU over that of the fastest other single method that solves the problem.\n\n| "
+              "tol | method | solved | median | largest |\n|---|---|---|---|---|\n");
 }
 
 /* Prints for each method how many problems it solved, and its CPU over that of the best other one.
@@ -173,10 +167,10 @@ static void print_summary(FILE *page, double tol, int count, result (*all)[metho
     for (int f = 0; f < count; f++) {
       double best = INFINITY;
       for (int l = 0; l < methods; l++)
-        if (l != k && l != auto_at && !all[f][l].status) best = fmin(best, all[f][l].seconds);
+        if (l != k && l != auto_at && !all[f][l].status) best = fmin(best, all[f][l].clock.least);
       if (all[f][k].status) continue;
       solved++;
-      if (best < INFINITY) ratio[ratios++] = all[f][k].seconds / best;
+      if (best < INFINITY) ratio[ratios++] = all[f][k].clock.least / best;
     }
     const double median = bench_median(ratios, ratio);
     bench_print(page, "| %g | %s | %zu/%d | %.2g | %.2g |\n", tol, method_name[k], solved, count,
@@ -188,11 +182,11 @@ static int run_comparison(FILE *page, int count, char **name) {
   static result all[tolerances][most_files][methods];
   print_head(page);
   for (int f = 0; f < count; f++) {
-    problem p;
+    either p;
     if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
     for (int t = 0; t < tolerances; t++) {
-      compare_methods(&p.contact, tolerance[t], all[t][f]);
-      print_row(page, short_name(name[f]), &p.contact, tolerance[t], all[t][f]);
+      compare_methods(p.contact, tolerance[t], all[t][f]);
+      print_row(page, short_name(name[f]), p.contact, tolerance[t], all[t][f]);
     }
     drop_problem(&p);
   }
@@ -205,7 +199,7 @@ static int run_comparison(FILE *page, int count, char **name) {
 /* Returns 0 after a message if a name is none. */
 static int can_read(int count, char **name) {
   for (int f = 0; f < count; f++) {
-    problem p;
+    either p;
     if (!named_problem(name[f], &p)) return 0;
     drop_problem(&p);
   }

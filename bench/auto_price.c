@@ -64,20 +64,12 @@ static double time_run(const dls_contact *p, int run, double *r, dls_info *info)
   s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
   s.limits.cpu_seconds = 10;
   if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) return INFINITY;
-  double least = INFINITY, all = 0;
-  for (int k = 0; k < 40 && (k < 4 || all < .1) && all < 5; k++) {
-    const double begun = bench_seconds();
-    const dls_status status = dls_solver_solve(solver, p, r, NULL, info, NULL);
-    const double now = bench_seconds() - begun;
-    if (status < 0 || status == DLS_TIME_LIMIT) {
-      least = INFINITY;
-      break;
-    }
-    all += now;
-    least = fmin(least, now);
-  }
+  bench_clock c = {0};
+  dls_status status = DLS_OK;
+  while (status >= 0 && status != DLS_TIME_LIMIT && bench_runs(&c, 3, 40, .1))
+    status = dls_solver_solve(solver, p, r, NULL, info, NULL);
   dls_solver_destroy(solver);
-  return least;
+  return status < 0 || status == DLS_TIME_LIMIT ? INFINITY : c.least;
 }
 
 /* Returns the unknowns of an answer. */
@@ -173,7 +165,8 @@ typedef struct total {
 
 static void add_problem(total *all, const dls_contact *p, double tol) {
   const int m = p->d * p->nc;
-  double *r = calloc((size_t)m, sizeof *r), seconds = INFINITY, cost = 1;
+  double *r = calloc((size_t)m, sizeof *r), cost = 1;
+  bench_clock c = {0};
   dls_solver_settings s;
   dls_solver *solver;
   dls_info info = {.status = DLS_OK};
@@ -182,18 +175,15 @@ static void add_problem(total *all, const dls_contact *p, double tol) {
   s.limits.max_iterations = 3000;
   s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
   if (!r || dls_solver_create(&solver, p->d, p->nc, &s, NULL)) exit(1);
-  for (int k = 0; k < 2; k++) {
-    const double begun = bench_seconds();
+  while (bench_runs(&c, 2, 0, 0))
     if (dls_solver_solve(solver, p, r, NULL, &info, NULL) < 0) exit(1);
-    seconds = fmin(seconds, bench_seconds() - begun);
-  }
   for (int k = 0; k < info.stages; k++)
     cost += dlsi_auto_price_of(p, m, &info.stage[k]);
   all->count++;
   all->solved += info.status == DLS_OK;
   all->cost += cost;
   all->log_cost += log(cost);
-  all->log_seconds += log(seconds);
+  all->log_seconds += log(c.least);
   dls_solver_destroy(solver);
   free(r);
 }

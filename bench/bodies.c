@@ -179,17 +179,11 @@ static void run_sizes(plan *p, rigid *a) {
     compare_storages(p, &a[k]);
   dlsi_team_run(2, measure_share, &p->core);
   bench_print(p->page,
-              "\n"
-              "## Two threads over one\n"
-              "\n"
-              "Two threads had %.2f of two cores (below %.1f wall times are left out: busy). "
-              "CPU 2 / 1: CPU of a sweep on both threads over that on one. Sweep: wall "
-              "milliseconds of a plain sweep. Solve: wall seconds (sweeps) to 1e-4, with "
-              "momentum, for W dense without.\n"
-              "\n"
-              "| W | contacts | CPU 2 / 1 | sweep: 1 | 2 | speed-up | solve: 1 | 2 | "
-              "speed-up |\n"
-              "|---|---|---|---|---|---|---|---|---|\n",
+              "\n## Two threads over one\n\nTwo threads had %.2f of two cores (below %.1f wall "
+              "times are left out: busy). CPU 2 / 1: CPU of a sweep on both threads over that on "
+              "one. Sweep: wall milliseconds of a plain sweep. Solve: wall seconds (sweeps) to "
+              "1e-4, with momentum, for W dense without.\n\n| W | contacts | CPU 2 / 1 | sweep: 1 "
+              "| 2 | speed-up | solve: 1 | 2 | speed-up |\n|---|---|---|---|---|---|---|---|---|\n",
               p->core, quiet);
   for (int k = 0; k < p->size_count; k++) {
     compare_threads(p, "blocks", &a[k].contact);
@@ -199,22 +193,19 @@ static void run_sizes(plan *p, rigid *a) {
 }
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv,
-                     "[--kind KIND] [--sizes N,N..] [--seed SEED] [--dense N] [--sweeps N] "
-                     "[--rounds N] [--out DIR]"))
-    return 2;
   plan p = {.kind = bench_word(argc, argv, "--kind", "packing-flow"),
             .sizes = {5000, 20000, 90000},
             .seed = (unsigned long)bench_number(argc, argv, "--seed", 2),
             .dense = (int)bench_number(argc, argv, "--dense", 6000),
             .sweeps = (int)bench_number(argc, argv, "--sweeps", 50),
             .rounds = (int)bench_number(argc, argv, "--rounds", 3)};
-  const char *out = bench_word(argc, argv, "--out", "build");
   rigid a[most_sizes];
   p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 3, most_sizes);
   if (p.sweeps < 1 || p.rounds < 1) return 2;
-  p.page = bench_page(out, "bodies", "Rigid bodies in factored form, and two threads", argc, argv);
-  if (!p.page) return 1;
+  p.page = bench_program(argc, argv,
+                         "[--kind KIND] [--sizes N,N..] [--seed SEED] [--dense N] [--sweeps N] "
+                         "[--rounds N] [--out DIR]",
+                         "bodies", "Rigid bodies in factored form, and two threads");
   bench_print(p.page, "%s, mu .5, seed %lu.\n", p.kind, p.seed);
   int made = 0;
   while (made < p.size_count && rigid_create(&a[made], p.kind, p.sizes[made], .5, p.seed) == 0)

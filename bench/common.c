@@ -1,4 +1,4 @@
-/* common.c: clock, medians, child processes, options, pages of results, as common.h says. */
+/* common.c: clocks, medians, child processes, options, pages of results, as common.h says. */
 #include "common.h"
 
 #include <ctype.h>
@@ -30,6 +30,25 @@ double bench_seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+void bench_start(bench_clock *c) {
+  c->since = bench_seconds();
+}
+
+double bench_stop(bench_clock *c) {
+  c->last = bench_seconds() - c->since;
+  c->all += c->last;
+  if (c->count++ == 0 || c->last < c->least) c->least = c->last;
+  return c->last;
+}
+
+int bench_runs(bench_clock *c, int least, int most, double seconds) {
+  if (c->since > 0) (void)bench_stop(c);
+  const int more = c->count < least || (c->count < most && c->all < seconds);
+  c->since = 0;
+  if (more) bench_start(c);
+  return more;
+}
+
 static int ascending(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
@@ -44,6 +63,29 @@ double bench_median(size_t n, double *x) {
   if (n == 0) return NAN;
   qsort(x, n, sizeof *x, ascending);
   return (x[(n - 1) / 2] + x[n / 2]) / 2;
+}
+
+double bench_distance(size_t n, const double *a, const double *b) {
+  double difference = 0, size = 0;
+  for (size_t k = 0; k < n; k++) {
+    difference += (a[k] - b[k]) * (a[k] - b[k]);
+    size += b[k] * b[k];
+  }
+  return sqrt(difference / size);
+}
+
+double bench_exponent(size_t n, const double *x, const double *y, size_t last) {
+  double count = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (size_t k = n > last ? n - last : 0; k < n; k++) {
+    if (!(y[k] > 0 && y[k] < INFINITY)) continue;
+    const double u = log(x[k]), v = log(y[k]);
+    count++;
+    sx += u;
+    sy += v;
+    sxx += u * u;
+    sxy += u * v;
+  }
+  return (count * sxy - sx * sy) / (count * sxx - sx * sx);
 }
 
 void *bench_shared(size_t bytes) {
@@ -204,6 +246,14 @@ FILE *bench_page(const char *directory, const char *name, const char *title, int
   print_date(page);
   print_processor(page);
   fputs(", one BLAS thread, compiler " __VERSION__ ".\n\n", page);
+  return page;
+}
+
+FILE *bench_program(int argc, char *const *argv, const char *usage, const char *name,
+                    const char *title) {
+  if (!bench_options(argc, argv, usage)) exit(2);
+  FILE *page = bench_page(bench_word(argc, argv, "--out", "build"), name, title, argc, argv);
+  if (!page) exit(1);
   return page;
 }
 

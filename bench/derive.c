@@ -25,11 +25,6 @@ typedef struct derive_set {
   double cost[kinds][most_costs]; /* create, vjp, vjp with W, jvp, create + vjp */
 } derive_set;
 
-/* *least := min(*least, CPU since begun). */
-static void derive_clock(double begun, double *least) {
-  *least = fmin(*least, bench_seconds() - begun);
-}
-
 static void derive_scene(void *data, const scene *s) {
   derive_set *set = data;
   const dls_contact *p = &s->contact;
@@ -39,43 +34,33 @@ static void derive_scene(void *data, const scene *s) {
   double *r = calloc(5 * m + (size_t)p->nc + (size_t)p->W.ld * m, sizeof *r);
   if (!r) return;
   double *g = r + m, *q = g + m, *dr = q + m, *mu = dr + 2 * m, *W = mu + p->nc;
-  double least[kinds] = {INFINITY, INFINITY, INFINITY, INFINITY, 0}, solve = INFINITY;
+  bench_clock clock[kinds] = {{0}}, solve = {0};
   dls_status status = DLS_OK;
   for (size_t k = 0; k < m; k++)
     g[k] = cos((double)k);
-  for (int k = 0; k < calls && !status; k++) {
-    const double begun = bench_seconds();
+  while (!status && bench_runs(&solve, calls, 0, 0))
     status = dls_solve(p, NULL, r, NULL, NULL, NULL);
-    derive_clock(begun, &solve);
-  }
   set->problems++;
   set->solved += !status;
   for (int k = 0; k < calls && !status; k++) {
     dls_derive *derive;
-    double begun = bench_seconds();
-    status = dls_derive_create(&derive, p, r, -1, NULL);
-    derive_clock(begun, &least[0]);
-    if (status) break;
-    begun = bench_seconds();
-    status = dls_derive_vjp(derive, &(dls_derive_answer){.r = g},
-                            &(dls_derive_data){.q = q, .mu = mu}, NULL);
-    derive_clock(begun, &least[1]);
-    begun = bench_seconds();
-    if (!status)
-      status = dls_derive_vjp(derive, &(dls_derive_answer){.r = g},
-                              &(dls_derive_data){.q = q, .mu = mu, .W = W}, NULL);
-    derive_clock(begun, &least[2]);
-    begun = bench_seconds();
-    if (!status)
-      status = dls_derive_jvp(derive, &(dls_derive_data){.q = g},
-                              &(dls_derive_answer){.r = dr, .u = dr + m}, NULL);
-    derive_clock(begun, &least[3]);
+    for (int i = 0; i < 4 && !status; i++) {
+      bench_start(&clock[i]);
+      status =
+          i == 0 ? dls_derive_create(&derive, p, r, -1, NULL)
+          : i < 3
+              ? dls_derive_vjp(derive, &(dls_derive_answer){.r = g},
+                               &(dls_derive_data){.q = q, .mu = mu, .W = i == 1 ? NULL : W}, NULL)
+              : dls_derive_jvp(derive, &(dls_derive_data){.q = g},
+                               &(dls_derive_answer){.r = dr, .u = dr + m}, NULL);
+      (void)bench_stop(&clock[i]);
+    }
     dls_derive_destroy(derive);
   }
-  least[4] = least[0] + least[1];
+  clock[4].least = clock[0].least + clock[1].least;
   set->without += status == DLS_E_NO_DERIVATIVE;
   for (int k = 0; k < kinds && !status; k++)
-    set->cost[k][set->count] = least[k] / solve;
+    set->cost[k][set->count] = clock[k].least / solve.least;
   set->count += !status;
   free(r);
 }
@@ -93,33 +78,32 @@ static dls_status derive_block(FILE *page, int nx) {
   dls_fe_scene_get(jean, &of);
   const size_t n = (size_t)of.model.n, m = 2 * (size_t)of.candidates;
   double *r = calloc(3 * m + 3 * n, sizeof *r), *x = r ? r + m : NULL;
-  double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+  bench_clock clock[4] = {{0}};
   for (int k = 0; r && k < calls && !status; k++) {
     dls_reduction *reduction = NULL;
     dls_derive *derive = NULL;
-    double *g = x + n, *f = g + n, *mu = f + n, begun = bench_seconds();
+    double *g = x + n, *f = g + n, *mu = f + n;
     for (size_t i = 0; i < n; i++)
       g[i] = cos((double)i);
-    status = bench_reduce(&reduction, &of.model, NULL);
-    derive_clock(begun, &least[0]);
-    begun = bench_seconds();
-    if (!status) status = dls_reduction_load(reduction, of.f, of.g, NULL);
-    if (!status) status = dls_reduction_solve(reduction, of.mu, NULL, r, NULL, x, NULL, NULL);
-    derive_clock(begun, &least[1]);
-    begun = bench_seconds();
-    if (!status) status = dls_derive_create_body(&derive, reduction, of.mu, r, x, -1, NULL);
-    derive_clock(begun, &least[2]);
-    begun = bench_seconds();
-    if (!status)
-      status = dls_derive_vjp(derive, &(dls_derive_answer){.x = g},
-                              &(dls_derive_data){.f = f, .mu = mu}, NULL);
-    derive_clock(begun, &least[3]);
+    for (int i = 0; i < 4 && !status; i++) {
+      bench_start(&clock[i]);
+      if (i == 0) status = bench_reduce(&reduction, &of.model, NULL);
+      if (i == 1) status = dls_reduction_load(reduction, of.f, of.g, NULL);
+      if (i == 1 && !status)
+        status = dls_reduction_solve(reduction, of.mu, NULL, r, NULL, x, NULL, NULL);
+      if (i == 2) status = dls_derive_create_body(&derive, reduction, of.mu, r, x, -1, NULL);
+      if (i == 3)
+        status = dls_derive_vjp(derive, &(dls_derive_answer){.x = g},
+                                &(dls_derive_data){.f = f, .mu = mu}, NULL);
+      (void)bench_stop(&clock[i]);
+    }
     dls_derive_destroy(derive);
     dls_reduction_destroy(reduction);
   }
   if (r && !status)
     bench_print(page, "| %d x %d | %d | %.2f | %.2f | %.3f |\n", nx, nx / 2, of.model.n,
-                least[1] / least[0], least[2] / least[0], least[3] / least[0]);
+                clock[1].least / clock[0].least, clock[2].least / clock[0].least,
+                clock[3].least / clock[0].least);
   free(r);
   dls_fe_scene_destroy(jean);
   return status;
@@ -135,20 +119,16 @@ static void derive_row(FILE *page, derive_set *s) {
 int main(int argc, char **argv) {
   static derive_set set[sets + 1] = {
       {.name = "random"}, {.name = "elastic blocks"}, {.name = "elastic cubes"}, {.name = "all"}};
-  if (!bench_options(argc, argv, "--out DIR")) return 2;
-  const char *out = bench_word(argc, argv, "--out", NULL);
+  FILE *page = bench_program(argc, argv, "[--out DIR]", "derive", "Cost of derivatives");
   for (int k = 0; k < randoms; k++)
     if (scenes_random(k, 50 + 450 * (k / 3) / 11, 0, derive_scene, &set[0])) return 1;
   if (scenes_blocks(0, derive_scene, &set[1]) || scenes_cubes(0, derive_scene, &set[2])) return 1;
-  FILE *page = bench_page(out, "derive", "Cost of derivatives", argc, argv);
-  if (!page) return 1;
   bench_print(
       page,
-      "\n50 to 500 contacts, W dense: CPU over that of `dls_solve` at 1e-8 by auto, medians. "
-      "One create serves any number of\ngradients (vjp: dL/dq, dL/dmu) and directions "
-      "(jvp: dr, du) at an answer.\n\n"
-      "| set | solved | no derivative | create | vjp | vjp with dL/dW | jvp | create + vjp |\n"
-      "|---|---|---|---|---|---|---|---|\n");
+      "\n50 to 500 contacts, W dense: CPU over that of `dls_solve` at 1e-8 by auto, medians. One "
+      "create serves any number of\ngradients (vjp: dL/dq, dL/dmu) and directions (jvp: dr, du) at "
+      "an answer.\n\n| set | solved | no derivative | create | vjp | vjp with dL/dW | jvp | create "
+      "+ vjp |\n|---|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < sets; k++) {
     derive_set *all = &set[sets];
     all->problems += set[k].problems;

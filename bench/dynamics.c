@@ -34,7 +34,8 @@ typedef struct plan {
 /* What a way to solve has taken so far. */
 typedef struct spent {
   dls_solver *solver;
-  double *r, seconds, residual; /* residual: the largest one */
+  bench_clock clock;
+  double *r, residual; /* residual: the largest one */
   long sweeps;
   int solved;
 } spent;
@@ -57,28 +58,26 @@ static void spent_free(spent *a) {
 
 /* Counts from here on. */
 static void spent_restart(spent *a) {
-  a->seconds = a->residual = 0;
+  a->clock = (bench_clock){0};
+  a->residual = 0;
   a->sweeps = a->solved = 0;
 }
 
-/* Takes one step. from: NULL for a cold one. Returns its CPU seconds. */
-static double spent_step(spent *a, const plan *p, const dls_contact *problem, const int *from,
-                         dls_info *info) {
+/* Takes one step. from: NULL for a cold one. */
+static void spent_step(spent *a, const plan *p, const dls_contact *problem, const int *from,
+                       dls_info *info) {
   dls_certificate now;
-  const double begun = bench_seconds();
+  bench_start(&a->clock);
   if (from && dls_solver_map(a->solver, problem->nc, from, a->r, NULL)) exit(1);
   if (dls_solver_solve(a->solver, problem, a->r, NULL, info, NULL) < 0) exit(1);
-  const double seconds = bench_seconds() - begun;
+  (void)bench_stop(&a->clock);
   if (dls_contact_certify(problem, a->r, NULL, &now, NULL)) exit(1);
-  a->seconds += seconds;
   a->sweeps += info->iterations;
   a->solved += dls_certificate_holds(&now, p->tol);
   if (!(now.residual <= a->residual)) a->residual = now.residual;
-  return seconds;
 }
 
-static void print_step(int step, const column *a, const dls_info *info, const double *seconds,
-                       double residual) {
+static void print_step(int step, const column *a, const dls_info *info, const spent *way) {
   int kept = 0, acting = 0;
   for (int c = 0; c < a->now.count; c++) {
     kept += a->from[c] >= 0;
@@ -86,8 +85,9 @@ static void print_step(int step, const column *a, const dls_info *info, const do
   }
   bench_print(NULL, "| %d | %d | %.1f | %.0f | %.2f | %d | %.2f | %d | %.2f | %.1e |\n", step,
               a->now.count, 100. * kept / a->now.count, 100. * acting / a->now.count,
-              1e3 * seconds[0], info[0].iterations, 1e3 * seconds[1], info[1].iterations,
-              seconds[1] / seconds[0], residual);
+              1e3 * way[0].clock.last, info[0].iterations, 1e3 * way[1].clock.last,
+              info[1].iterations, way[1].clock.last / way[0].clock.last,
+              info[1].certificate.residual);
 }
 
 /* Solves the steps of one column. summary: its line. */
@@ -106,21 +106,20 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
               kind->name, count);
   for (int k = 0; k < kind->before + p->steps; k++) {
     dls_info info[2] = {{.iterations = 0}};
-    double seconds[2];
     if (column_look(&a)) exit(1);
     for (int i = 0; i < 2; i++) {
       if (k == kind->before) spent_restart(&way[i]);
-      seconds[i] = spent_step(&way[i], p, &a.contact, i ? a.from : NULL, &info[i]);
+      spent_step(&way[i], p, &a.contact, i ? a.from : NULL, &info[i]);
     }
     if (k >= kind->before && (k - kind->before) % (p->steps > shown ? p->steps / shown : 1) == 0)
-      print_step(k, &a, info, seconds, info[1].certificate.residual);
-    if (k >= kind->before) ratio[k - kind->before] = seconds[1] / seconds[0];
+      print_step(k, &a, info, way);
+    if (k >= kind->before) ratio[k - kind->before] = way[1].clock.last / way[0].clock.last;
     column_move(&a, way[0].r);
   }
   (void)snprintf(
       summary, room, "| %s | %d | %.3f | %ld | %.3f | %ld | %.2f | %.2f | %.2f | %.1e | %d, %d |\n",
-      kind->name, count, way[0].seconds, way[0].sweeps, way[1].seconds, way[1].sweeps,
-      way[1].seconds / way[0].seconds, bench_median((size_t)p->steps, ratio),
+      kind->name, count, way[0].clock.all, way[0].sweeps, way[1].clock.all, way[1].sweeps,
+      way[1].clock.all / way[0].clock.all, bench_median((size_t)p->steps, ratio),
       (double)way[1].sweeps / (double)way[0].sweeps, way[1].residual, way[0].solved, way[1].solved);
   for (int k = 0; k < 2; k++)
     spent_free(&way[k]);
@@ -130,22 +129,19 @@ static void run_column(const plan *p, const column_kind *kind, int count, char *
 int main(int argc, char **argv) {
   enum { rows = 2 * most_sizes, room = 200 };
   static char summary[rows][room];
-  if (!bench_options(argc, argv,
-                     "[--kind KIND] [--sizes N,N..] [--large] [--tol TOL] [--limit SECONDS] "
-                     "[--steps N] [--out DIR]"))
-    return 2;
   plan p = {.kind = bench_word(argc, argv, "--kind", ""),
             .sizes = {500, 1000, 5000},
             .steps = (int)bench_number(argc, argv, "--steps", 50),
             .tol = bench_number(argc, argv, "--tol", 1e-4),
             .limit = bench_number(argc, argv, "--limit", 10)};
-  const char *out = bench_word(argc, argv, "--out", "build");
   int count = 0;
   p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 3, most_sizes - 1);
   if (bench_has(argc, argv, "--large")) p.sizes[p.size_count++] = 20000;
   if (p.steps < 1 || p.steps > most_steps) return 2;
-  p.page = bench_page(out, "dynamics", "Columns of spheres that collapse", argc, argv);
-  if (!p.page) return 1;
+  p.page = bench_program(argc, argv,
+                         "[--kind KIND] [--sizes N,N..] [--large] [--tol TOL] [--limit SECONDS] "
+                         "[--steps N] [--out DIR]",
+                         "dynamics", "Columns of spheres that collapse");
   bench_print(p.page,
               "Steps in time by the scheme of Moreau and Jean, friction 0.4, to residual %g. Each "
               "step is solved cold and, with dls_solver_map, warm; the cold answer moves the "
@@ -158,10 +154,9 @@ int main(int argc, char **argv) {
         run_column(&p, &kinds[k], p.sizes[s], summary[count++], room);
   bench_print(
       p.page,
-      "\n## %d steps\n\n| column | spheres | cold, s | sweeps | warm, s | sweeps | warm over "
-      "cold | median of the steps | sweeps, warm over cold | largest residual, warm | solved, cold "
-      "and warm |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n",
+      "\n## %d steps\n\n| column | spheres | cold, s | sweeps | warm, s | sweeps | warm over cold "
+      "| median of the steps | sweeps, warm over cold | largest residual, warm | solved, cold and "
+      "warm |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
       p.steps);
   for (int k = 0; k < count; k++)
     bench_print(p.page, "%s", summary[k]);

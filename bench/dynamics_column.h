@@ -12,14 +12,13 @@
 
 #include <stdint.h>
 
-#include "delassus/contact.h"
+#include "delassus/rigid.h"
 
 /* The contacts of one step, those of a sphere side by side. */
 typedef struct column_contacts {
   int count;
-  int *first;      /* spheres + 1: the first contact of each sphere */
-  int *body;       /* 2 count: the sphere, and the other one; -1: the floor */
-  double *tangent; /* 3 count: t of the frame (n, t, s) */
+  int *first; /* spheres + 1: the first contact of each sphere */
+  int *body;  /* 2 count: the sphere, and the other one; -1: the floor */
 } column_contacts;
 
 /* How the spheres stand at first: in the hollows of the layer below, radii 1 cm, with chances of
@@ -33,10 +32,10 @@ typedef struct column_kind {
 } column_kind;
 
 typedef struct column {
-  int count, most;       /* spheres; contacts that there is room for */
-  double h, friction;    /* s; none */
-  double *x, *v;         /* 3 count: middles; 6 count: velocities and spins */
-  double *radius, *mass; /* count: m, kg */
+  int count, most;    /* spheres; contacts that there is room for */
+  double h, friction; /* s; none */
+  dls_rigid *sphere;  /* count */
+  double *radius;     /* count: m */
   column_contacts now, last;
   int *from;               /* of each contact its number in the step before; -1: it is new */
   double *H, *q, *mu;      /* of the contact problem */
@@ -49,7 +48,8 @@ typedef struct column {
  * memory. */
 int column_create(column *a, const column_kind *kind, int count, uint64_t seed);
 
-/* Finds the contacts and makes the contact problem of the next step. 0, or -1 without room. */
+/* Adds gravity to the velocities, finds the contacts and makes the contact problem of the next
+ * step. 0, or -1 without room. */
 int column_look(column *a);
 
 /* Takes the step with these impulses (3 nc). */

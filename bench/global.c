@@ -1,6 +1,6 @@
 /*
- * global.c: compares contact over whole surfaces on K (dls_global_solve), on W
- * (bench_reduce and dls_solve) and by the same splitting with CHOLMOD (global_peer.c).
+ * global.c: compares contact over whole surfaces on K (dls_global_solve), on W and by the same
+ * splitting with CHOLMOD (global_peer.c).
  *
  *   global [--table NAME]... [--out DIR]         the tables: peer, growth, tolerance, robust,
  *                                                foreseen, choice, where; all without --table
@@ -85,11 +85,10 @@ static void table_peer(FILE *page) {
       task_of(TUBE, SOFT, LIFT, 128, 24, 2),   task_of(PLATE, SOFT, LIFT, 100, 100, 3)};
   bench_print(
       page, "## Against W and against CHOLMOD\n\n`make bench-global BENCH='--table peer'`\n\nTo "
-            "1e-8, friction .3. Peer: two factors by CHOLMOD "
-            "and the plain splitting, R = 1/w. W: reduction and auto; where it is refused, its "
-            "memory is an estimate.\n\n"
-            "| scene | unknowns | contacts | K: s | MB | iterations | K over peer: CPU | memory | "
-            "W over K: CPU | memory |\n|---|---|---|---|---|---|---|---|---|---|\n");
+            "1e-8, friction .3. Peer: two factors by CHOLMOD and the plain splitting, R = 1/w. W: "
+            "reduction and auto; where it is refused, its memory is an estimate.\n\n| scene | "
+            "unknowns | contacts | K: s | MB | iterations | K over peer: CPU | memory | W over K: "
+            "CPU | memory |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (size_t k = 0; k < sizeof tasks / sizeof tasks[0]; k++) {
     result r[WAYS];
     run_ways(&tasks[k], 1 << ON_K | 1 << PEER, turns, r);
@@ -146,9 +145,8 @@ static void table_tolerance(FILE *page) {
       task_of(RIM, SOFT, LIFT, 1600, 8, 1),   task_of(PLATE, SOFT, LIFT, 50, 50, 3),
       task_of(TUBE, SOFT, LIFT, 128, 24, 2),  task_of(STRIP, HELD, LIFT, 1000, 4, 1)};
   bench_print(page, "\n## Tolerance\n\n`make bench-global BENCH='--table tolerance'`\n\nCPU s "
-                    "(iterations), friction .3.\n\n"
-                    "| scene | 1e-4 | 1e-6 | 1e-8 | 1e-10 | 1e-12 | 1e-12 over 1e-6 |\n"
-                    "|---|---|---|---|---|---|---|\n");
+                    "(iterations), friction .3.\n\n| scene | 1e-4 | 1e-6 | 1e-8 | 1e-10 | 1e-12 | "
+                    "1e-12 over 1e-6 |\n|---|---|---|---|---|---|---|\n");
   for (size_t k = 0; k < sizeof tasks / sizeof tasks[0]; k++) {
     double cpu[5];
     bench_print(page, "| ");
@@ -226,10 +224,9 @@ static void table_foreseen(FILE *page) {
       task_of(PLATE, SOFT, LIFT, 20, 20, 20),  task_of(TUBE, SOFT, LIFT, 128, 24, 2)};
   bench_print(
       page, "\n## Estimates\n\n`make bench-global BENCH='--table foreseen'`\n\nFigures of "
-            "dls_global_estimate over measured ones, ten scenes. Factor: flops / "
-            "30e9 + 7e-9 s for each entry; step: step_bytes / (10 GB/s); create: .15e-6 s for each "
-            "entry of a triangle of K.\n\n"
-            "| factor | step | create | memory |\n|---|---|---|---|\n|");
+            "dls_global_estimate over measured ones, ten scenes. Factor: flops / 30e9 + 7e-9 s for "
+            "each entry; step: step_bytes / (10 GB/s); create: .15e-6 s for each entry of a "
+            "triangle of K.\n\n| factor | step | create | memory |\n|---|---|---|---|\n|");
   double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY}, most[4] = {0};
   for (size_t k = 0; k < sizeof tasks / sizeof tasks[0]; k++) {
     const result r = run_way(ON_K, &tasks[k].S, 0.3, 1e-8, turns, 0);
@@ -314,10 +311,9 @@ static void table_where(FILE *page, FILE *csv) {
   bench_print(
       page,
       "\n## Where K begins to win\n\n`make bench-global BENCH='--table where'`\n\nStrips and "
-      "plates of many lengths and heights, soft, lift, "
-      "friction .3, to 1e-8; every method once, the faster of both scenes of seeds 2 and 4. "
-      "global.csv has the seconds.\n\n"
-      "| d | elements on a side | CPU of W over CPU of K, 1, 2, 4, .. layers |\n|---|---|---|\n");
+      "plates of many lengths and heights, soft, lift, friction .3, to 1e-8; every method once, "
+      "the faster of both scenes of seeds 2 and 4. global.csv has the seconds.\n\n| d | elements "
+      "on a side | CPU of W over CPU of K, 1, 2, 4, .. layers |\n|---|---|---|\n");
   fputs("d,size,layers,n,nc,K_s,W_s,K_MB,W_MB\n", csv);
   for (int d = 2; d <= 3; d++)
     for (int a = 0; a < 5; a++) {

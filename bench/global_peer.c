@@ -8,13 +8,12 @@
  * Every 20 iterations x := K^-1 (f + H r) gives the residual. Supernodal factors of K and of K + H
  * R H^T, one analysis if H picks unknowns, so that patterns agree.
  */
-#include "global_peer.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cholmod_view.h"
+#include "global_ways.h"
 
 enum { look_every = 20, most = 20000 };
 

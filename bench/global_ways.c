@@ -9,7 +9,6 @@
 
 #include "common.h"
 #include "global/global_internal.h"
-#include "global_peer.h"
 
 typedef struct trial {
   way w;
@@ -40,60 +39,33 @@ static void take_K(const scene *S, const double *mu, double tol, double *r, doub
   out->iterations = info.iterations;
   out->factorisations = info.factorisations;
   out->residual = info.certificate.residual;
-  out->equilibrium = info.certificate.equilibrium;
-  out->factor = INFINITY;
-  for (int k = 0; k < 3; k++) {
-    const double begun = bench_seconds();
+  bench_clock c = {0};
+  while (bench_runs(&c, 3, 0, 0))
     out->failed |= dlsi_system_factor(G->system, 1, NULL) != 0;
-    out->factor = fmin(out->factor, bench_seconds() - begun);
-  }
+  out->factor = c.least;
   dls_global_destroy(G);
 }
 
-static void take_W(const scene *S, const double *mu, double tol, double most_bytes, double *r,
-                   double *x, result *out) {
-  dls_reduction *R = NULL;
-  dls_reduction_info foreseen;
-  dls_solver_settings settings;
-  dls_contact problem;
-  dls_certificate certificate = {.residual = NAN};
-  dls_info info = {.iterations = 0};
-  dls_error e = {0};
-  dls_solver_settings_init(&settings);
-  settings.limits.tol = tol;
-  if (dls_reduction_estimate(&S->model, NULL, &foreseen, NULL)) return;
-  out->foreseen_W = foreseen.bytes;
-  if (foreseen.bytes > most_bytes) return;
-  const double held = bench_watch_memory(), start = bench_seconds();
-  dls_status status = bench_reduce(&R, &S->model, &e);
-  out->create = bench_seconds() - start;
-  if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
-  if (!status) status = dls_reduction_contact(R, mu, &problem, &e);
-  if (!status) status = dls_solve(&problem, &settings, r, NULL, &info, &e);
-  out->status = status;
-  if (status >= 0) status = dls_reduction_recover(R, r, x, &e);
-  out->cpu = bench_seconds() - start;
-  out->bytes = bench_memory("VmHWM") - held;
-  if (!status) status = dls_reduction_certify(R, mu, r, x, NULL, &certificate, &e);
-  if (status < 0) fprintf(stderr, "%s\n", e.message);
-  out->failed = status < 0;
-  out->iterations = info.iterations;
-  out->residual = certificate.residual;
-  out->equilibrium = certificate.equilibrium;
-  dls_reduction_destroy(R);
-}
-
-static void take_either(const scene *S, const double *mu, double tol, double *r, double *x,
-                        result *out) {
+/* w: ON_W, or EITHER, which chooses. */
+static void take_reduction(way w, const scene *S, const double *mu, double tol, double most_bytes,
+                           double *r, double *x, result *out) {
   dls_reduction *R = NULL;
   dls_reduction_info facts = {.on = DLS_ON_W};
+  dls_reduction_settings how;
   dls_solver_settings settings;
   dls_info info = {.iterations = 0};
   dls_error e = {0};
+  dls_reduction_settings_init(&how);
   dls_solver_settings_init(&settings);
   settings.limits.tol = tol;
+  if (w == ON_W) {
+    how.on = DLS_ON_W;
+    if (dls_reduction_estimate(&S->model, NULL, &facts, NULL)) return;
+    out->foreseen_W = facts.bytes;
+    if (facts.bytes > most_bytes) return;
+  }
   const double held = bench_watch_memory(), start = bench_seconds();
-  dls_status status = dls_reduction_create(&R, &S->model, NULL, &e);
+  dls_status status = dls_reduction_create(&R, &S->model, &how, &e);
   out->create = bench_seconds() - start;
   if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
   if (!status) status = dls_reduction_solve(R, mu, &settings, r, NULL, x, &info, &e);
@@ -107,7 +79,6 @@ static void take_either(const scene *S, const double *mu, double tol, double *r,
   out->iterations = info.iterations;
   out->factorisations = info.factorisations;
   out->residual = info.certificate.residual;
-  out->equilibrium = info.certificate.equilibrium;
   dls_reduction_destroy(R);
 }
 
@@ -135,12 +106,10 @@ static void run_trial(void *data) {
     mu[c] = t->mu;
   if (t->w == ON_K)
     take_K(S, mu, t->tol, r, x, t->out);
-  else if (t->w == ON_W)
-    take_W(S, mu, t->tol, t->most_bytes, r, x, t->out);
-  else if (t->w == EITHER)
-    take_either(S, mu, t->tol, r, x, t->out);
-  else
+  else if (t->w == PEER)
     take_peer(S, t->mu, t->tol, r, x, t->out);
+  else
+    take_reduction(t->w, S, mu, t->tol, t->most_bytes, r, x, t->out);
   free(mu);
   free(x);
   free(r);

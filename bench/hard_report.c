@@ -111,10 +111,9 @@ static void report_shares(FILE *page) {
   static const double conditions[] = {1, 1e4, 1e8}, frictions[] = {0, 1, 5};
   bench_print(page,
               "\n## Per cent solved\n\nOf the same problems, those that a method takes; by size: "
-              "of the grid of 100 "
-              "contacts (conditions 1, 1e4, 1e8, frictions 0, 1, 5, one seed);\n300 and 1000 "
-              "contacts: full rank alone, 1000 without condition 1e4 and friction 1.\n\n"
-              "| method | condition 1 | 1e4 | 1e8 | friction 0 | 1 | 5 |");
+              "of the grid of 100 contacts (conditions 1, 1e4, 1e8, frictions 0, 1, 5, one seed);\n"
+              "300 and 1000 contacts: full rank alone, 1000 without condition 1e4 and friction 1.\n"
+              "\n| method | condition 1 | 1e4 | 1e8 | friction 0 | 1 | 5 |");
   for (int f = 0; f < FLAWS; f++)
     bench_print(page, " %s |", hard_flaw_name((planted_flaw)f));
   bench_print(page, " 10 contacts | 30 | 100 | 300 | 1000 |\n|---|");
@@ -141,11 +140,10 @@ static void report_open(FILE *page) {
   int open = 0;
   bench_print(
       page,
-      "\n## What auto does not solve\n\n`build/bench/hard --one DEGENERACY CONTACTS "
-      "CONDITION FRICTION SEED SECONDS` runs one of them by every method. Seconds: of "
-      "the second try.\nHere: up to 30 contacts, and what another method solves; the screen has "
-      "all.\n\n"
-      "| problem | auto | s | another method solves it |\n|---|---|---|---|\n");
+      "\n## What auto does not solve\n\n`build/bench/hard --one DEGENERACY CONTACTS CONDITION "
+      "FRICTION SEED SECONDS` runs one of them by every method. Seconds: of the second try.\nHere: "
+      "up to 30 contacts, and what another method solves; the screen has all.\n\n| problem | auto "
+      "| s | another method solves it |\n|---|---|---|---|\n");
   for (int k = 0; k < row_count; k++) {
     const hard_row *r = &rows[k];
     if (r->method || r->end == HARD_SOLVED) continue;

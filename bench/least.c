@@ -27,32 +27,20 @@ typedef struct least_set {
 
 /* Returns the least CPU seconds of solves; r, *info: of the last. */
 static double measure_solve(const dls_contact *p, dls_forces forces, double *r, dls_info *info) {
-  double least = INFINITY;
-  for (int k = 0; k < calls; k++) {
-    dls_solver_settings s;
-    dls_solver_settings_init(&s);
-    s.forces = forces;
-    s.limits.cpu_seconds = 20;
-    const double begun = bench_seconds();
+  bench_clock c = {0};
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.forces = forces;
+  s.limits.cpu_seconds = 20;
+  while (bench_runs(&c, calls, 0, 0))
     if (dls_solve(p, &s, r, NULL, info, NULL)) return NAN;
-    least = fmin(least, bench_seconds() - begun);
-  }
-  return least;
+  return c.least;
 }
 
 /* Reverses the contacts of x, m. */
 static void reverse(int d, int nc, const double *x, double *y) {
   for (int c = 0; c < nc; c++)
     memcpy(y + d * c, x + d * (nc - 1 - c), (size_t)d * sizeof *x);
-}
-
-static double off_by(int m, const double *r, const double *x) {
-  double off = 0, size = 0;
-  for (int i = 0; i < m; i++) {
-    off = hypot(off, r[i] - x[i]);
-    size = hypot(size, r[i]);
-  }
-  return off / size;
 }
 
 static void least_scene(void *data, const scene *s) {
@@ -84,11 +72,11 @@ static void least_scene(void *data, const scene *s) {
     reverse(1, nc, p->mu, mu);
     if (measure_solve(&turned, DLS_FORCES_ANY, y, &info) > 0) {
       reverse(d, nc, y, z);
-      set->any = fmax(set->any, off_by(m, r, z));
+      set->any = fmax(set->any, bench_distance(M, z, r));
     }
     if (measure_solve(&turned, DLS_FORCES_LEAST, y, &info) > 0) {
       reverse(d, nc, y, z);
-      set->by_least = fmax(set->by_least, off_by(m, x, z));
+      set->by_least = fmax(set->by_least, bench_distance(M, z, x));
     }
   }
   free(r);
@@ -130,8 +118,7 @@ static void judge_arch(int bodies, least_set *set) {
 int main(int argc, char **argv) {
   static least_set set[sets] = {
       {.name = "tables"}, {.name = "arches"}, {.name = "walls"}, {.name = "FCLIB"}};
-  if (!bench_options(argc, argv, "--out DIR [FCLIB...]")) return 2;
-  const char *out = bench_word(argc, argv, "--out", NULL);
+  FILE *page = bench_program(argc, argv, "--out DIR [FCLIB...]", "least", "The least reactions");
   for (int legs = 4; legs <= 32; legs++)
     judge_table(legs, &set[0]);
   for (int bodies = 6; bodies <= 60; bodies += 6)
@@ -139,15 +126,12 @@ int main(int argc, char **argv) {
   if (scenes_walls(0, least_scene, &set[2]) ||
       scenes_files(argc > 3 ? argv[3] : "data/fclib", least_scene, &set[3]))
     return 1;
-  FILE *page = bench_page(out, "least", "The least reactions", argc, argv);
-  if (!page) return 1;
   bench_print(page,
               "\nProblems of up to 600 rows whose reactions are not determined, solved by auto at "
               "1e-8 with `forces` any and least.\nCost: CPU of the least over that of the solve "
               "alone. Orders: the largest relative distance of the reactions of the\ncontacts as "
-              "they are and reversed.\n\n"
-              "| set | not determined | the least found | cost, median | largest | orders, any | "
-              "orders, least |\n|---|---|---|---|---|---|---|\n");
+              "they are and reversed.\n\n| set | not determined | the least found | cost, median | "
+              "largest | orders, any | orders, least |\n|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < sets; k++) {
     least_set *s = &set[k];
     if (!s->problems) {

@@ -20,6 +20,7 @@
  * each pivot) and one dgemv, both on n x (n+1).
  */
 #include <dirent.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -150,16 +151,12 @@ static yardsticks time_blas(int n) {
     for (size_t k = 0; k <= N; k++)
       x[k] = y[k] = 1;
     for (int kind = 0; kind < 2; kind++) {
-      double spent = 0, start = 0;
-      int calls = -1; /* the first call is not timed */
-      do {
-        if (calls == 0) start = bench_seconds();
+      bench_clock c = {0};
+      while (bench_runs(&c, 4, INT_MAX, 0.05)) {
         if (kind == 0) dger_(&n, &m, &alpha, x, &unit, x, &unit, A, &n);
         if (kind == 1) dgemv_("N", &n, &m, &one, A, &n, x, &unit, &zero, y, &unit, 1);
-        if (calls >= 0) spent = bench_seconds() - start;
-        calls++;
-      } while (spent < 0.05 || calls < 3);
-      *(kind == 0 ? &t.dger : &t.dgemv) = spent / calls;
+      }
+      *(kind == 0 ? &t.dger : &t.dgemv) = c.least;
     }
   }
   free(A);
@@ -407,15 +404,14 @@ static int run_large(int nc, const output *to) {
 /* ---- program --------------------------------------------------------------------------------- */
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv, "[--max N] [--full] [--large] [--lcp DIR] [--out DIR]")) return 2;
-  const char *out = bench_word(argc, argv, "--out", "bench/results");
   const int one = bench_has(argc, argv, "--large");
   const int max = (int)bench_number(argc, argv, "--max", 4000);
-  output to = {bench_open(out, one ? "lemke_large.csv" : "lemke.csv"), NULL};
-  if (to.csv)
-    to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method against Siconos'",
-                         argc, argv);
-  if (!to.page) return 1;
+  output to = {.page =
+                   bench_program(argc, argv, "[--max N] [--full] [--large] [--lcp DIR] [--out DIR]",
+                                 one ? "lemke_large" : "lemke", "Lemke's method against Siconos'")};
+  to.csv =
+      bench_open(bench_word(argc, argv, "--out", "build"), one ? "lemke_large.csv" : "lemke.csv");
+  if (!to.csv) return 1;
   int status = 0;
   if (one)
     status = run_large(3333, &to);

@@ -99,8 +99,7 @@ int main(int argc, char **argv) {
   if (rank == 0) {
     if (argc > 3)
       printf("cells,height,ranks,n,m,create,factor,iterate,all,create cpu,factor cpu,iterate "
-             "cpu,all cpu,mumps MB,rss MB,rss before "
-             "MB,iterations,factors,residual,size of r\n");
+             "cpu,all cpu,mumps MB,rss MB,rss before MB,iterations,factors,residual,size of r\n");
     printf("%d,%d,%d,%d,%d", cells, height, cost.ranks, cost.n, cost.m);
     for (int k = 0; k < 11; k++)
       printf(",%.4g", row[k]);

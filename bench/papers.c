@@ -3,7 +3,7 @@
  * a picture each. Writes papers.md and the data of the pictures, papers_*.csv; papers.gp draws
  * them.
  *
- *   papers [--only QUESTION] --out DIR
+ *   papers [--only QUESTION] [--out DIR]
  *
  * QUESTION is a word of the table below: a trial, whose page has that question alone. `reactions`
  * reads DIR/papers_reactions.csv, the reactions.csv of `make demo`. CPU seconds are those of one
@@ -61,29 +61,6 @@ double *jean_solve(const dls_contact *contact) {
   return NULL;
 }
 
-double distance(size_t n, const double *a, const double *b) {
-  double difference = 0, size = 0;
-  for (size_t k = 0; k < n; k++) {
-    difference += (a[k] - b[k]) * (a[k] - b[k]);
-    size += b[k] * b[k];
-  }
-  return sqrt(difference / size);
-}
-
-double exponent(size_t n, const double *x, const double *y, size_t last) {
-  double count = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (size_t k = n > last ? n - last : 0; k < n; k++) {
-    if (!(y[k] > 0)) continue;
-    const double u = log(x[k]), v = log(y[k]);
-    count++;
-    sx += u;
-    sy += v;
-    sxx += u * u;
-    sxy += u * v;
-  }
-  return (count * sxy - sx * sy) / (count * sxx - sx * sx);
-}
-
 void table_copy(FILE *from, FILE *page) {
   char line[512];
   rewind(from);
@@ -102,11 +79,10 @@ static const struct {
 };
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv, "--out DIR [--only QUESTION]")) return 2;
-  const char *out = bench_word(argc, argv, "--out", NULL);
+  const char *out = bench_word(argc, argv, "--out", "build");
   const char *only = bench_word(argc, argv, "--only", NULL);
-  FILE *page = bench_page(out, "papers", "The papers' questions", argc, argv);
-  if (!page) return 1;
+  FILE *page =
+      bench_program(argc, argv, "[--out DIR] [--only QUESTION]", "papers", "The papers' questions");
   int bad = 0;
   for (size_t k = 0; k < sizeof questions / sizeof *questions; k++)
     if (!only || strcmp(only, questions[k].word) == 0) bad |= questions[k].answer(page, out);

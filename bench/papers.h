@@ -25,15 +25,12 @@ void jean_free(jean_block *b);
 /* Solves by auto to 1e-13. Returns an array (m) to free, or NULL after a message. */
 double *jean_solve(const dls_contact *contact);
 
-/* Returns |a - b| / |b|, Euclidean norms over n entries. */
-double distance(size_t n, const double *a, const double *b);
-
-/* Returns the exponent p of y ~ x^p by least squares over the last `last` of n points, those with
- * y <= 0 left out. */
-double exponent(size_t n, const double *x, const double *y, size_t last);
-
 /* Copies a temporary file of table rows to the page, and closes it. */
 void table_copy(FILE *from, FILE *page);
+
+/* 0: the library's radial return (12) of forming scenes; 1: the exponential return of (6). Read by
+ * dlsi_solid_update of this program, which stands in the place of the library's. */
+extern int papers_exponential;
 
 /* The questions. Each writes its data into out/papers_NAME*.csv and its paragraph into the page.
  * Returns 0, or 1 after a message. */

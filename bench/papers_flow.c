@@ -12,8 +12,8 @@
 
 #include "common.h"
 #include "delassus/forming.h"
+#include "fe/solid.h"
 #include "papers.h"
-#include "papers_material.h"
 
 enum { materials = 2, paths = 2, levels = 6, scenes = 2, ways = 3, runs = 3 };
 
@@ -56,11 +56,6 @@ static flow_end flow_path(int of_material, int path, int exponential, int steps)
   end.ep = point.ep;
   papers_exponential = 0;
   return end;
-}
-
-/* The largest difference of stress over the norm of the stress. */
-static double flow_error(const flow_end *a, const flow_end *exact) {
-  return distance(4, a->s, exact->s);
 }
 
 typedef struct flow_scene {
@@ -107,7 +102,7 @@ static int flow_points(const char *out, double *stress, double *strain, double r
       for (int k = 0; k < levels; k++) {
         const int steps = 4 << 2 * k;
         const flow_end a = flow_path(m, path, 0, steps), b = flow_path(m, path, 1, steps);
-        const double sa = flow_error(&a, &exact), sb = flow_error(&b, &exact);
+        const double sa = bench_distance(4, a.s, exact.s), sb = bench_distance(4, b.s, exact.s);
         const double ea = fabs(a.ep / exact.ep - 1), eb = fabs(b.ep / exact.ep - 1);
         ratio[0] = fmin(ratio[0], b.cpu / a.cpu);
         ratio[1] = fmax(ratio[1], b.cpu / a.cpu);
@@ -153,25 +148,16 @@ int papers_flow(FILE *page, const char *out) {
   if (!table || flow_points(out, &stress, &strain, ratio) || flow_scenes(table, out, end)) return 1;
   const flow_scene *dent = end[0][runs - 1], *first = end[1][0], *last = end[1][runs - 1];
   bench_print(page,
-              "## What does the return (12) cost beside the flow rule (6)?\n"
-              "\n"
-              "%.1f %% of the stress at a point, %.0e of the force of the indentation, and "
-              "%.2f %% of the force of the extrusion with\n"
-              "100 steps, %.2f %% with 1600. A return of (6) takes %.0f to %.0f times the CPU "
-              "of (12), a fraction of a microsecond\n"
-              "more.\n"
-              "\n"
-              "(12) replaces be by its mean in the plastic term of (6). This error has the "
-              "size of the elastic strain, and more steps\n"
-              "do not remove it. It turns the stress, whose size the yield stress holds. The "
-              "plastic strain hardly changes (%.0e).\n"
-              "With 100 steps of the extrusion (6) is within %.2f %% of its own force with "
-              "1600, (12) within %.2f %%. Keeping the\n"
-              "trace as in (13) costs no force, but the whole energy balance. "
-              "`bench/papers_material.c` integrates (6) by an\n"
-              "exponential.\n"
-              "\n"
-              "",
+              "## What does the return (12) cost beside the flow rule (6)?\n\n%.1f %% of the "
+              "stress at a point, %.0e of the force of the indentation, and %.2f %% of the force "
+              "of the extrusion with\n100 steps, %.2f %% with 1600. A return of (6) takes %.0f to "
+              "%.0f times the CPU of (12), a fraction of a microsecond\nmore.\n\n(12) replaces be "
+              "by its mean in the plastic term of (6). This error has the size of the elastic "
+              "strain, and more steps\ndo not remove it. It turns the stress, whose size the yield "
+              "stress holds. The plastic strain hardly changes (%.0e).\nWith 100 steps of the "
+              "extrusion (6) is within %.2f %% of its own force with 1600, (12) within %.2f %%. "
+              "Keeping the\ntrace as in (13) costs no force, but the whole energy balance. "
+              "`bench/papers_material.c` integrates (6) by an\nexponential.\n\n",
               100 * stress, fabs(dent[0].force / dent[2].force - 1),
               100 * (first[0].force / first[2].force - 1),
               100 * (last[0].force / last[2].force - 1), ratio[0], ratio[1], strain,

@@ -36,20 +36,18 @@ static int lemke_measure(const dls_lcp *lcp, lemke_row *row) {
     dls_lemke_settings s;
     dls_lemke_settings_init(&s);
     s.crash = crash;
-    for (int k = 0; k < 3; k++) {
+    bench_clock c = {0};
+    while (bench_runs(&c, 1, 3, 1)) {
       dls_lemke *work = NULL;
       dls_lemke_info info = {0};
-      const double start = bench_seconds();
       dls_status status = dls_lemke_create(&work, lcp->n, &s, NULL);
       if (!status) status = dls_lemke_solve(work, lcp, z, NULL, &info, NULL);
       dls_lemke_destroy(work);
-      const double cpu = bench_seconds() - start;
-      if (k == 0 || cpu < row->cpu[crash]) row->cpu[crash] = cpu;
       row->pivots[crash] = info.pivots + info.crash_rounds;
       row->residual[crash] = info.certificate.residual;
       row->solved[crash] = status == DLS_OK;
-      if (cpu > 1) break;
     }
+    row->cpu[crash] = c.least;
   }
   free(z);
   return 0;
@@ -83,12 +81,10 @@ static int lemke_scale(const dls_contact *contact, lining *l) {
 static int lemke_auto(const dls_contact *contact, lemke_row *row) {
   double *r = calloc(2 * (size_t)contact->nc, sizeof *r);
   dls_status status = r ? DLS_OK : DLS_E_MEMORY;
-  for (int k = 0; k < 3 && !status; k++) {
-    const double start = bench_seconds();
+  bench_clock c = {0};
+  while (!status && bench_runs(&c, 3, 0, 0))
     status = dls_solve(contact, NULL, r, NULL, NULL, NULL);
-    const double cpu = bench_seconds() - start;
-    if (k == 0 || cpu < row->by_auto) row->by_auto = cpu;
-  }
+  row->by_auto = c.least;
   free(r);
   return status ? -1 : 0;
 }
@@ -138,34 +134,25 @@ int papers_lemke(FILE *page, const char *out) {
               r->pivots[1], crash[k], by_auto[k]);
     }
     const size_t count = (size_t)sizes[kind];
-    of_pivots[kind] = exponent(count, n, pivots, 4);
-    of_path[kind] = exponent(count, n, path, 4);
-    of_crash[kind] = exponent(count, n, crash, 4);
-    of_auto[kind] = exponent(count, n, by_auto, 4);
+    of_pivots[kind] = bench_exponent(count, n, pivots, 4);
+    of_path[kind] = bench_exponent(count, n, path, 4);
+    of_crash[kind] = bench_exponent(count, n, crash, 4);
+    of_auto[kind] = bench_exponent(count, n, by_auto, 4);
   }
   if (fclose(csv)) return 1;
   const lemke_row *large = &row[1][sizes[1] - 1];
   bench_print(
       page,
-      "## How does Lemke's method grow?\n"
-      "\n"
-      "The pivots grow like n (exponents %.2f and %.2f), the CPU of the path like "
-      "n^%.1f to n^%.1f, because each pivot\n"
-      "changes a table of n x (n + 1). It takes %.2g s for %g contacts, auto %.2g "
-      "s. The path did not fail up to %g rows,\n"
-      "the largest here. The crash start pivots many pairs at once. It needs %g to %g "
-      "rounds and is up to %.0f times faster.\n"
-      "auto takes %.1f times the CPU of the crash start on the largest block, %.1f "
-      "times on the largest lining.\n"
-      "\n"
-      "The LCPs have 3 rows a contact, in units in which the largest entries of W and "
-      "q are 1. Exponents: of the last four\n"
-      "sizes. auto: the contact problem to 1e-8. Seconds are without the condensation "
-      "K -> W.\n"
-      "\n"
-      "| problem | contacts | rows | path: pivots | s | residual | crash start: rounds "
-      "| s | residual | auto: s |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n",
+      "## How does Lemke's method grow?\n\nThe pivots grow like n (exponents %.2f and %.2f), the "
+      "CPU of the path like n^%.1f to n^%.1f, because each pivot\nchanges a table of n x (n + 1). "
+      "It takes %.2g s for %g contacts, auto %.2g s. The path did not fail up to %g rows,\nthe "
+      "largest here. The crash start pivots many pairs at once. It needs %g to %g rounds and is up "
+      "to %.0f times faster.\nauto takes %.1f times the CPU of the crash start on the largest "
+      "block, %.1f times on the largest lining.\n\nThe LCPs have 3 rows a contact, in units in "
+      "which the largest entries of W and q are 1. Exponents: of the last four\nsizes. auto: the "
+      "contact problem to 1e-8. Seconds are without the condensation K -> W.\n\n| problem | "
+      "contacts | rows | path: pivots | s | residual | crash start: rounds | s | residual | auto: "
+      "s |\n|---|---|---|---|---|---|---|---|---|---|\n",
       of_pivots[0], of_pivots[1], fmin(of_path[0], of_path[1]), fmax(of_path[0], of_path[1]),
       large->cpu[0], large->n / 3, large->by_auto, fmax(large->n, row[0][sizes[0] - 1].n),
       row[0][0].pivots[1], row[0][sizes[0] - 1].pivots[1], large->cpu[0] / large->cpu[1],

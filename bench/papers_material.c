@@ -15,7 +15,8 @@
  * method finds the logarithms of the principal values and l. The tangent is a central difference:
  * its error stops nothing, as Newton's method converges to the balance of forces.
  */
-#include "papers_material.h"
+#include "fe/solid.h"
+#include "papers.h"
 
 #define dlsi_solid_update papers_radial
 int papers_radial(const dlsi_solid *solid, const double F[5], double J, const dlsi_point *old,

@@ -43,7 +43,7 @@ static int penalty_solve(const jean_block *b, const double *exact, penalty_row *
   row->newton = info.factorisations;
   row->residual = fmax(info.certificate.residual_u, info.certificate.residual_r);
   if (status >= 0) {
-    row->force = distance(m, r, exact);
+    row->force = bench_distance(m, r, exact);
     for (size_t c = 0; c < m / 2; c++) {
       deepest = fmax(deepest, -u[2 * c]);
       largest = fmax(largest, fabs(b->contact.q[2 * c]));
@@ -126,28 +126,19 @@ int papers_penalty(FILE *page, const char *out) {
                   fabs(f / exact - 1), d, newton, cpu);
   }
   bench_print(page,
-              "## What does the penalty method cost in accuracy?\n"
-              "\n"
-              "Error and penetration are inversely proportional to the parameter s, the "
-              "penalty over the stiffness of the contact\n"
-              "node. Up to 1e10 a larger s costs no iterations on W and up to 5 %% more in K: "
-              "take 1e6 to 1e10.\n"
-              "\n"
-              "The forming scenes take s = 1000, which lets the error be seen. There the "
-              "reactions of the blocks are off by %.1e and\n"
-              "%.1e, and the force of the indentation by %.0e. Nodes penetrate by %.0e and "
-              "%.0e of the gap that the loads would open\n"
-              "or close without contact, and by %.0e of the travel. On the contact problem "
-              "Newton's method solves each branch of the\n"
-              "springs exactly, so a large s does no harm. In the forming scene the largest s "
-              "take more Newton steps and lose digits.\n"
-              "\n"
-              "Blocks: one augmentation from lambda = 0, eps = s / w_c (augmented.h); error of "
-              "the reactions beside auto at 1e-13.\n"
-              "Indentation: %d steps, springs in K; error of the force beside Lemke's method.\n"
-              "\n"
-              "| problem | s | error | penetration | Newton steps | s of CPU |\n"
-              "|---|---|---|---|---|---|\n",
+              "## What does the penalty method cost in accuracy?\n\nError and penetration are "
+              "inversely proportional to the parameter s, the penalty over the stiffness of the "
+              "contact\nnode. Up to 1e10 a larger s costs no iterations on W and up to 5 %% more "
+              "in K: take 1e6 to 1e10.\n\nThe forming scenes take s = 1000, which lets the error "
+              "be seen. There the reactions of the blocks are off by %.1e and\n%.1e, and the force "
+              "of the indentation by %.0e. Nodes penetrate by %.0e and %.0e of the gap that the "
+              "loads would open\nor close without contact, and by %.0e of the travel. On the "
+              "contact problem Newton's method solves each branch of the\nsprings exactly, so a "
+              "large s does no harm. In the forming scene the largest s take more Newton steps and "
+              "lose digits.\n\nBlocks: one augmentation from lambda = 0, eps = s / w_c "
+              "(augmented.h); error of the reactions beside auto at 1e-13.\nIndentation: %d steps, "
+              "springs in K; error of the force beside Lemke's method.\n\n| problem | s | error | "
+              "penetration | Newton steps | s of CPU |\n|---|---|---|---|---|---|\n",
               force[0], force[1], force[blocks], depth[0], depth[1], depth[blocks], steps);
   table_copy(table, page);
   bench_print(page,

@@ -59,24 +59,18 @@ int papers_reactions(FILE *page, const char *out) {
     apart = fmax(apart, row[k].lemke);
   }
   bench_print(page,
-              "## How far are the reactions of each method from the paper's, node by node?\n"
-              "\n"
-              "At most %.1e of the largest reaction, and the methods differ from each other by "
-              "at most %.0e. The paper stopped at\n"
-              "1e-4: its own sweeps with its own stop reproduce its tables to %.0e.\n"
-              "\n"
-              "The table has the largest difference over the nodes of Figs. 3 and 4 of [Jean "
-              "1988], divided by the largest reaction.\n"
-              "\n"
-              "| method | from the paper | from Lemke's method |\n"
-              "|---|---|---|\n",
+              "## How far are the reactions of each method from the paper's, node by node?\n\nAt "
+              "most %.1e of the largest reaction, and the methods differ from each other by at "
+              "most %.0e. The paper stopped at\n1e-4: its own sweeps with its own stop reproduce "
+              "its tables to %.0e.\n\nThe table has the largest difference over the nodes of Figs. "
+              "3 and 4 of [Jean 1988], divided by the largest reaction.\n\n| method | from the "
+              "paper | from Lemke's method |\n|---|---|---|\n",
               converged, apart, as_printed);
   for (int k = 0; k < count; k++)
     bench_print(page, "| %s | %.1e | %.0e |\n", row[k].method, row[k].paper, row[k].lemke);
   bench_print(page,
               "\n`make demo` computes it; penalty is one augmentation, and jean is the sweeps of "
-              "the paper with its stop.\n\n"
-              "![Reactions of every method beside the "
+              "the paper with its stop.\n\n![Reactions of every method beside the "
               "paper's](../../docs/pictures/papers-reactions.png)\n\n");
   return 0;
 }

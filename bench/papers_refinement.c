@@ -132,7 +132,7 @@ int papers_refinement(FILE *page, const char *out) {
     }
     for (int a = 0; a < parts; a++)
       for (int t = 0; t < kinds; t++)
-        order[m][a][t] = exponent(meshes, h, error[m][a][t], 4);
+        order[m][a][t] = bench_exponent(meshes, h, error[m][a][t], 4);
     density_free(&fine);
   }
   if (fclose(csv) || fclose(errors) || bad) return 1;
@@ -144,26 +144,17 @@ int papers_refinement(FILE *page, const char *out) {
         most = fmax(most, error[m][a][0][k] / error[m][a][2][k]);
       }
   bench_print(page,
-              "## Weighted or concentrated reactions?\n"
-              "\n"
-              "Both converge with the same order. Take the concentrated ones, which need fewer "
-              "sweeps. From 16x8 on the error of the\n"
-              "weighted densities is %.2f to %.2f times that of the concentrated forces, "
-              "divided by their cells. The order is %.1f\n"
-              "and %.1f if a part of the line slips from end to end (friction 0.2, smooth), "
-              "and %.1f to %.1f if a zone ends between\n"
-              "two nodes. Nodal forces P r of the weighted reactions are as good as "
-              "concentrated ones.\n"
-              "\n"
-              "The table has the error of the normal density of jean-fig3 at the nodes (L2 "
-              "norm, relative). The reference is the mean\n"
-              "of both kinds on %dx%d, which differ there by %.0e and %.0e (friction 1), %.0e "
-              "and %.0e (0.2). Whole: the line from 0\n"
-              "to 3 mm; smooth: from 2 to 3 mm, away from where contact begins and from the "
-              "fixed corner. Order: of the last four\n"
-              "meshes.\n"
-              "\n"
-              "| friction | part of the line | reactions |",
+              "## Weighted or concentrated reactions?\n\nBoth converge with the same order. Take "
+              "the concentrated ones, which need fewer sweeps. From 16x8 on the error of the\n"
+              "weighted densities is %.2f to %.2f times that of the concentrated forces, divided "
+              "by their cells. The order is %.1f\nand %.1f if a part of the line slips from end to "
+              "end (friction 0.2, smooth), and %.1f to %.1f if a zone ends between\ntwo nodes. "
+              "Nodal forces P r of the weighted reactions are as good as concentrated ones.\n\nThe "
+              "table has the error of the normal density of jean-fig3 at the nodes (L2 norm, "
+              "relative). The reference is the mean\nof both kinds on %dx%d, which differ there by "
+              "%.0e and %.0e (friction 1), %.0e and %.0e (0.2). Whole: the line from 0\nto 3 mm; "
+              "smooth: from 2 to 3 mm, away from where contact begins and from the fixed corner. "
+              "Order: of the last four\nmeshes.\n\n| friction | part of the line | reactions |",
               least, most, order[1][1][0], order[1][1][2], order[1][0][2], order[0][0][0], finest,
               finest / 2, apart[0][0], apart[0][1], apart[1][0], apart[1][1]);
   for (int k = 0; k < meshes; k++)

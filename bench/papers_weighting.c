@@ -165,30 +165,20 @@ int papers_weighting(FILE *page, const char *out) {
       most = fmax(most, r[1].definite / r[0].definite);
     }
   bench_print(page,
-              "## May P have negative entries?\n"
-              "\n"
-              "Yes. Quadratic edges give entries down to %.3f, nine-node faces down to %.4f. "
-              "The method loses Propositions 2 and 3\n"
-              "and nothing else. W = P^T (L^T K^-1 L) P stays positive definite, so that "
-              "every load has an answer: of %d random loads\n"
-              "at frictions 0.3, 1 and 3, auto answered %d.\n"
-              "\n"
-              "P costs conditioning, with and without negative entries: the least eigenvalue "
-              "over the largest is %.2f to %.2f times\n"
-              "that of concentrated reactions. Densities obey the laws. Their equivalents P "
-              "r pull at some corners beside the border\n"
-              "of contact, by up to %.0f %% of the largest reaction. Four-node faces have no "
-              "negative entry.\n"
-              "\n"
+              "## May P have negative entries?\n\nYes. Quadratic edges give entries down to %.3f, "
+              "nine-node faces down to %.4f. The method loses Propositions 2 and 3\nand nothing "
+              "else. W = P^T (L^T K^-1 L) P stays positive definite, so that every load has an "
+              "answer: of %d random loads\nat frictions 0.3, 1 and 3, auto answered %d.\n\nP costs "
+              "conditioning, with and without negative entries: the least eigenvalue over the "
+              "largest is %.2f to %.2f times\nthat of concentrated reactions. Densities obey the "
+              "laws. Their equivalents P r pull at some corners beside the border\nof contact, by "
+              "up to %.0f %% of the largest reaction. Four-node faces have no negative entry.\n\n"
               "The table has boxes of linear and quadratic elements with loads like those of "
-              "jean-fig3, in 2D and 3D, friction %g.\n"
-              "Error: of the normal density at 2 <= x <= 3. Its reference is the mean of "
-              "both kinds on %d linear and %d quadratic\n"
-              "edges, %d x %d four-node and %d x %d nine-node faces.\n"
-              "\n"
-              "| contact line or face | contacts | reactions | least entry of P | "
-              "eigenvalues of W, least / largest | one answer below friction | error |\n"
-              "|---|---|---|---|---|---|---|\n",
+              "jean-fig3, in 2D and 3D, friction %g.\nError: of the normal density at 2 <= x <= 3. "
+              "Its reference is the mean of both kinds on %d linear and %d quadratic\nedges, %d x "
+              "%d four-node and %d x %d nine-node faces.\n\n| contact line or face | contacts | "
+              "reactions | least entry of P | eigenvalues of W, least / largest | one answer below "
+              "friction | error |\n|---|---|---|---|---|---|---|\n",
               row[1][0][1].least, row[3][0][1].least, asked, answers, ratio, most, 100 * pull,
               scene_mu, kind[0].finest, kind[1].finest, kind[2].finest, kind[2].finest,
               kind[3].finest, kind[3].finest);

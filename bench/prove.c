@@ -29,19 +29,15 @@ typedef struct prove_set {
 
 /* Returns the least CPU seconds of solves, or of proofs where r is solved, in *status. */
 static double measure_call(const dls_contact *p, double *r, dls_proof *proof, dls_status *status) {
-  double least = INFINITY;
-  for (int k = 0; k < calls; k++) {
-    dls_solver_settings s;
-    dls_solver_settings_init(&s);
-    s.limits.cpu_seconds = 20;
-    if (p->Wb.x) s.limits.blocks = p->Wb.p[p->nc];
-    const double begun = bench_seconds();
+  bench_clock c = {0};
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.limits.cpu_seconds = 20;
+  if (p->Wb.x) s.limits.blocks = p->Wb.p[p->nc];
+  while (bench_runs(&c, 1, calls, 0.1))
     *status =
         proof ? dls_contact_prove(p, r, proof, NULL, NULL) : dls_solve(p, &s, r, NULL, NULL, NULL);
-    least = fmin(least, bench_seconds() - begun);
-    if (least > 0.1) break;
-  }
-  return least;
+  return c.least;
 }
 
 static void prove_scene(void *data, const scene *s) {
@@ -50,7 +46,7 @@ static void prove_scene(void *data, const scene *s) {
   if (!p->nc || (s->model && strcmp(s->set, "global") == 0)) return; /* twice the same */
   dls_sensitivity of;
   dls_proof proof;
-  dls_status status;
+  dls_status status = DLS_OK;
   double *r = calloc((size_t)p->d * (size_t)p->nc, sizeof *r);
   if (!r) return;
   set->problems++;
@@ -80,8 +76,8 @@ int main(int argc, char **argv) {
   static prove_set set[sets] = {{.name = "random"},         {.name = "random, 50 to 500 contacts"},
                                 {.name = "FCLIB"},          {.name = "Jean's block"},
                                 {.name = "elastic blocks"}, {.name = "elastic cubes"}};
-  if (!bench_options(argc, argv, "--out DIR [FCLIB [FILES...]]")) return 2;
-  const char *out = bench_word(argc, argv, "--out", NULL);
+  FILE *page =
+      bench_program(argc, argv, "--out DIR [FCLIB [FILES...]]", "proof", "Proofs of answers");
   for (int k = 0; k < randoms; k++)
     if (scenes_random(k, 0, 300, prove_scene, &set[0])) return 1;
   for (int k = 0; k < 36; k++)
@@ -90,15 +86,12 @@ int main(int argc, char **argv) {
       (argc > 4 && scenes_files(argv[4], prove_scene, &set[3])) ||
       scenes_blocks(0, prove_scene, &set[4]) || scenes_cubes(0, prove_scene, &set[5]))
     return 1;
-  FILE *page = bench_page(out, "proof", "Proofs of answers", argc, argv);
-  if (!page) return 1;
   bench_print(page,
               "\nAnswers of auto at 1e-8, and the result of `dls_contact_prove`. Regular: full "
-              "rank and no contact on a border\nof two states, by `dls_contact_sensitivity`. "
-              "Cost: CPU of the proof over that of the solve, median;\nthe last column that "
-              "of 50 to 500 contacts, W dense.\n\n"
-              "| set | solved | regular | regular, not proved | proved | positions proved | on a "
-              "border | largest radius | cost | cost, 50 to 500 |\n"
+              "rank and no contact on a border\nof two states, by `dls_contact_sensitivity`. Cost: "
+              "CPU of the proof over that of the solve, median;\nthe last column that of 50 to 500 "
+              "contacts, W dense.\n\n| set | solved | regular | regular, not proved | proved | "
+              "positions proved | on a border | largest radius | cost | cost, 50 to 500 |\n"
               "|---|---|---|---|---|---|---|---|---|---|\n");
   static double all[most_costs];
   size_t count = 0;

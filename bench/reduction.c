@@ -150,17 +150,14 @@ static result one_result(trial t, way w) {
 static double dgemm_rate(void) {
   const int n = 2000;
   const size_t N = (size_t)n * (size_t)n;
-  double *A = calloc(3 * N, sizeof *A), best = 0;
+  double *A = calloc(3 * N, sizeof *A);
   if (!A) return NAN;
   const double one = 1, zero = 0;
-  for (int turn = 0; turn < 3; turn++) {
-    const double start = bench_seconds();
+  bench_clock c = {0};
+  while (bench_runs(&c, 3, 0, 0))
     dgemm_("N", "N", &n, &n, &n, &one, A, &n, A + N, &n, &zero, A + 2 * N, &n, 1, 1);
-    const double rate = 2.0 * n * n * n / (bench_seconds() - start);
-    if (rate > best) best = rate;
-  }
   free(A);
-  return best;
+  return 2.0 * n * n * n / c.least;
 }
 
 /* Returns the largest entry of V - W over that of W. */
@@ -268,14 +265,13 @@ static int run_cases(const output *to, int full) {
 }
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv, "[--full] [--large] [--out DIR]")) return 2;
-  const char *directory = bench_word(argc, argv, "--out", "bench/results");
   const int large = bench_has(argc, argv, "--large");
-  output to = {bench_open(directory, large ? "reduction_large.csv" : "reduction.csv"), NULL};
-  if (to.csv)
-    to.page = bench_page(directory, large ? "reduction_large" : "reduction",
-                         "K, H -> W by its Schur complement and column by column", argc, argv);
-  if (!to.page) return EXIT_FAILURE;
+  output to = {.page = bench_program(argc, argv, "[--full] [--large] [--out DIR]",
+                                     large ? "reduction_large" : "reduction",
+                                     "K, H -> W by its Schur complement and column by column")};
+  to.csv = bench_open(bench_word(argc, argv, "--out", "build"),
+                      large ? "reduction_large.csv" : "reduction.csv");
+  if (!to.csv) return EXIT_FAILURE;
   fputs(
       "K,d,cells,n,m,way,cpu_s,peak_GB,foreseen_GB,W_difference,residual,recovered,load_s,update_s,"
       "ordering_analysis_s,inverse_s,Gflops,dgemm_Gflops\n",

@@ -23,21 +23,15 @@ static const own_method own[] = {
     {"scatter", "auto", "none", .most = {150, 100}, .step = "scatter"}};
 enum { own_count = sizeof own / sizeof own[0] };
 
-static const double least_limit = 0.02;  /* s: below, a limit would measure the clock */
-static const double beside_auto = 2;     /* a method slower than so many times auto is stopped */
-static const double hopeless = 20;       /* auto is stopped at so many times the best method */
-static const double peer_overhead = 0.1; /* s: the peer's child converts W first */
-static const double shown_from = 1.3;    /* regret from which the stages are kept */
-
-static double cpu_of(const outcome *o, double tol) {
-  const dls_status verdict = dls_certificate_verdict(&o->certificate, tol);
-  return o->ended == ENDED && dls_solved(verdict) ? o->cpu : INFINITY;
-}
+static const double least_limit = 0.02; /* s: below, a limit would measure the clock */
+static const double beside_auto = 2;    /* a method slower than so many times auto is stopped */
+static const double hopeless = 20;      /* auto is stopped at so many times the best method */
+static const double shown_from = 1.3;   /* regret from which the stages are kept */
 
 /* Prints one line of --one. */
 static void print_attempt(const char *name, const char *setting, const outcome *o, double tol) {
   static const char *const why[] = {"not solved", "refused", "limit", "crash"};
-  const double t = cpu_of(o, tol);
+  const double t = outcome_seconds(o, tol);
   if (isfinite(t))
     printf("%-14s %-10s %10.3f ms\n", name, setting, 1e3 * t);
   else
@@ -52,19 +46,6 @@ static outcome try_own(const own_method *w, const scene *s, double tol, double l
   return measure(s, own_solve, &a, tol, 1.5 * limit + 0.1);
 }
 
-/* Runs one setting of the peer down its own tolerances until the answer is certified. */
-static double try_peer(const peer_method *p, const scene *s, double tol, double limit, int print) {
-  double cpu = INFINITY;
-  outcome o = {.ended = REFUSED, .certificate = {.residual = INFINITY}};
-  for (double own_tol = 10 * tol; own_tol > 1e-16 && !isfinite(cpu); own_tol /= 10) {
-    o = measure(s, peer_solve, p, own_tol, limit + peer_overhead);
-    cpu = cpu_of(&o, tol);
-    if (o.ended != ENDED || o.cpu > limit || peer_pivots(p)) break;
-  }
-  if (print) print_attempt(peer_name(p), peer_setting(p), &o, tol);
-  return cpu;
-}
-
 static int is_bonded(const dls_contact *problem) {
   for (int c = 0; c < problem->nc; c++)
     if (isinf(problem->mu[c])) return 1;
@@ -76,7 +57,9 @@ static void solve_by_peer(const scene *s, double tol, double limit, int all, res
     const peer_method *p = peer_at(k);
     const double most = all ? limit : fmin(limit, r->peer);
     if (!peer_takes(p, s, 0)) continue;
-    const double cpu = try_peer(p, s, tol, most, all);
+    const outcome o = peer_reach(p, s, tol, most);
+    const double cpu = outcome_seconds(&o, tol);
+    if (all) print_attempt(peer_name(p), peer_setting(p), &o, tol);
     if (!(cpu < r->peer)) continue;
     r->peer = cpu;
     r->peer_method = peer_name(p);
@@ -95,7 +78,7 @@ void regret_solve(const scene *s, double tol, const regret_how *how, result *r) 
   r->best = r->peer = INFINITY;
   outcome o = try_own(&automatic, s, tol, r->limit, how->info);
   r->status = o.status;
-  r->automatic = cpu_of(&o, tol);
+  r->automatic = outcome_seconds(&o, tol);
   if (all) print_attempt("auto", "", &o, tol);
   for (int k = 0; k < own_count; k++) {
     const double least = fmin(beside_auto * r->automatic, r->best);
@@ -103,7 +86,7 @@ void regret_solve(const scene *s, double tol, const regret_how *how, result *r) 
     if (s->contact.nc > own[k].most[d - 2]) continue;
     o = try_own(&own[k], s, tol, limit, how->info);
     if (all) print_attempt(own[k].name, "", &o, tol);
-    const double cpu = cpu_of(&o, tol);
+    const double cpu = outcome_seconds(&o, tol);
     if (!(cpu < r->best)) continue;
     r->best = cpu;
     r->method = own[k].name;
@@ -111,7 +94,7 @@ void regret_solve(const scene *s, double tol, const regret_how *how, result *r) 
   if (isinf(r->automatic) && hopeless * r->best > r->limit && isfinite(r->best)) {
     r->limit = hopeless * r->best;
     o = try_own(&automatic, s, tol, r->limit, how->info);
-    r->automatic = cpu_of(&o, tol);
+    r->automatic = outcome_seconds(&o, tol);
   }
   const double quickest = fmin(r->automatic, r->best);
   if (!how->no_peer && isfinite(quickest) && !is_bonded(&s->contact))

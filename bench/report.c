@@ -169,22 +169,19 @@ static void bench_scene(FILE *to, const char *name, double cpu, tally *sum) {
 }
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv, "[--out DIR] [--cpu SECONDS] [--scene NAME]")) return 2;
-  const char *out = bench_word(argc, argv, "--out", "bench/results");
   const double cpu = bench_number(argc, argv, "--cpu", 33);
   const int all = !bench_has(argc, argv, "--scene");
-  FILE *to = bench_page(out, "report", "The setting that delassus report advises", argc, argv);
-  if (!to) return 1;
+  FILE *to = bench_program(argc, argv, "[--out DIR] [--cpu SECONDS] [--scene NAME]", "report",
+                           "The setting that delassus report advises");
   tally sum = {0};
   bench_print(
       to, "Each scene at three accuracies: the advised setting, its error beside the closed form, "
           "a graded mesh of 512 x 256,\nor a reference with four times the steps and finer "
           "elements, its CPU, that CPU over the cheapest setting of a grid that is\nwithin the "
-          "accuracy with all finer ones (empty: none up to twice this CPU), and the error that "
-          "the report estimates. Last:\nthe true error of the limit of the meshes over its "
-          "estimate, closed forms kept aside.\n\n"
-          "| scene | accuracy | advised | error | CPU s | over the cheapest | estimated | limit |\n"
-          "|---|---|---|---|---|---|---|---|\n");
+          "accuracy with all finer ones (empty: none up to twice this CPU), and the error that the "
+          "report estimates. Last:\nthe true error of the limit of the meshes over its estimate, "
+          "closed forms kept aside.\n\n| scene | accuracy | advised | error | CPU s | over the "
+          "cheapest | estimated | limit |\n|---|---|---|---|---|---|---|---|\n");
   for (int k = 0; scene_name(k) && all; k++)
     bench_scene(to, scene_name(k), cpu, &sum);
   for (int k = 1; k + 1 < argc; k += 2)

@@ -28,7 +28,7 @@
 #include "regret_kinds.h"
 #include "solvers.h"
 
-enum { most_sizes = 8 };
+enum { most_sizes = 8, most_runs = 400 };
 
 typedef struct plan {
   const char *kind;
@@ -52,9 +52,10 @@ enum { own_count = sizeof own / sizeof own[0] };
 /* Prints a cell of the table and returns the time, INFINITY if the target was not met. */
 static double print_cell(FILE *page, const outcome *o, double tol) {
   static const char *const why[] = {"", "refused", "limit", "crash"};
-  if (o->ended == ENDED && dls_certificate_holds(&o->certificate, tol)) {
+  const double seconds = outcome_seconds(o, tol);
+  if (isfinite(seconds)) {
     bench_print(page, " %.3g (%d) |", o->cpu, o->iterations);
-    return o->cpu;
+    return seconds;
   }
   if (o->ended == ENDED)
     bench_print(page, " %s %.0e |", o->claim ? "WRONG" : "not", o->certificate.residual);
@@ -96,17 +97,6 @@ static const peer_method *sweeps_of_peer(const scene *s) {
   return NULL;
 }
 
-/* Runs the peer down its own tolerances until the certificate holds. */
-static outcome run_peer(const plan *p, const scene *s) {
-  const peer_method *peer = sweeps_of_peer(s);
-  outcome o = {.ended = REFUSED, .certificate = {.residual = INFINITY}};
-  for (double own_tol = 10 * p->tol; peer && own_tol > 1e-16; own_tol /= 10) {
-    o = measure(s, peer_solve, peer, own_tol, p->limit);
-    if (o.ended != ENDED || dls_certificate_holds(&o.certificate, p->tol)) break;
-  }
-  return o;
-}
-
 /* Measures one problem. page: NULL shows it on the screen alone. worst: the largest time of auto
  * over the peer's so far. Returns the time of auto. */
 static double run_problem(const plan *p, FILE *page, const char *kind, const dls_contact *problem,
@@ -129,7 +119,9 @@ static double run_problem(const plan *p, FILE *page, const char *kind, const dls
   }
   double peer = INFINITY;
   if (!p->no_peer) {
-    const outcome o = run_peer(p, &s);
+    const peer_method *sweeps = sweeps_of_peer(&s);
+    const outcome o =
+        sweeps ? peer_reach(sweeps, &s, p->tol, p->limit) : (outcome){.ended = REFUSED};
     peer = print_cell(page, &o, p->tol);
   }
   if (has_other(p)) print_ratio(page, automatic, best);
@@ -143,9 +135,9 @@ static double run_problem(const plan *p, FILE *page, const char *kind, const dls
 }
 
 static void run_kind(const plan *p, const char *kind) {
-  double sum[5] = {0}; /* 1, x, y, x x, x y */
-  double worst = NAN;
-  int count = p->size_count, tried = 0;
+  double contacts[most_runs], seconds[most_runs], worst = NAN;
+  int count = p->size_count, solved = 0;
+  size_t tried = 0;
   while (regret_is_pair(kind) && count > 0 && p->sizes[count - 1] > regret_most_of_pair)
     count--;
   for (int k = 0; k < count; k++)
@@ -158,17 +150,13 @@ static void run_kind(const plan *p, const char *kind) {
       }
       if (p->bodies) a.contact = a.bodies.factored;
       FILE *page = k == count - 1 ? p->page : NULL;
-      const double x = log(a.contact.nc),
-                   y = log(run_problem(p, page, kind, &a.contact, seed, &worst));
-      const double terms[] = {1, x, y, x * x, x * y};
-      for (int t = 0; t < 5 && isfinite(y); t++)
-        sum[t] += terms[t];
+      contacts[tried] = a.contact.nc;
+      seconds[tried] = run_problem(p, page, kind, &a.contact, seed, &worst);
+      solved += isfinite(seconds[tried++]);
       regret_free(&a);
-      tried++;
       if (page && s == p->seeds - 1) {
-        const double slope =
-            (sum[0] * sum[4] - sum[1] * sum[2]) / (sum[0] * sum[3] - sum[1] * sum[1]);
-        bench_print(page, " %.0f of %d | ", sum[0], tried);
+        const double slope = bench_exponent(tried, contacts, seconds, tried);
+        bench_print(page, " %d of %zu | ", solved, tried);
         bench_print(page, isfinite(slope) ? "%.2f |" : "|", slope);
         if (!p->no_peer) bench_print(page, isfinite(worst) ? " %.2f |" : " |", worst);
       } else
@@ -178,11 +166,6 @@ static void run_kind(const plan *p, const char *kind) {
 }
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv,
-                     "[--kind KIND] [--sizes N,N..] [--tol TOL] [--seed SEED] [--seeds N] "
-                     "[--mu MU] [--limit SECONDS] [--only METHOD] [--no-peer] [--bodies] "
-                     "[--out DIR]"))
-    return 2;
   plan p = {.kind = bench_word(argc, argv, "--kind", ""),
             .only = bench_word(argc, argv, "--only", NULL),
             .sizes = {300, 2500, 20000, 100000},
@@ -192,11 +175,16 @@ int main(int argc, char **argv) {
             .limit = bench_number(argc, argv, "--limit", 60),
             .mu = bench_number(argc, argv, "--mu", 0.5),
             .bodies = bench_has(argc, argv, "--bodies")};
+  if (p.seeds * most_sizes > most_runs) return 2;
   p.no_peer = p.bodies || bench_has(argc, argv, "--no-peer");
   p.size_count = bench_list(argc, argv, "--sizes", p.sizes, 4, most_sizes);
   const char *out = bench_word(argc, argv, "--out", "build");
-  p.page = bench_page(out, "scale", "Rigid and elastic bodies: time against size", argc, argv);
-  p.csv = p.page ? bench_open(out, "scale.csv") : NULL;
+  p.page = bench_program(argc, argv,
+                         "[--kind KIND] [--sizes N,N..] [--tol TOL] [--seed SEED] [--seeds N] "
+                         "[--mu MU] [--limit SECONDS] [--only METHOD] [--no-peer] [--bodies] "
+                         "[--out DIR]",
+                         "scale", "Rigid and elastic bodies: time against size");
+  p.csv = bench_open(out, "scale.csv");
   if (!p.csv) return 1;
   fprintf(p.csv, "kind,candidates,auto,own,peer\n");
   bench_print(p.page, "residual %g.\n\n| kind | seed | contacts |", p.tol);

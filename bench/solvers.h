@@ -37,6 +37,9 @@ typedef void (*solve_fn)(const void *how, const scene *s, double tol, int calls,
  * answer. */
 outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit);
 
+/* Returns the CPU of a solve whose certificate holds, INFINITY for another one. */
+double outcome_seconds(const outcome *o, double tol);
+
 /* ---- delassus (solvers_own.c) ---------------------------------------------------------------- */
 
 /* A method, or a step of auto. */
@@ -79,5 +82,9 @@ int peer_takes(const peer_method *p, const scene *s, int patient);
 void peer_solve(const void *how, const scene *s, double tol, int calls, double *r, outcome *o);
 void peer_solve_again(const void *how, const scene *s, double tol, int calls, double *r,
                       outcome *o);
+
+/* Runs p down its own tolerances, from 10 tol on, until its answer is certified to tol. limit: CPU
+ * seconds of one run, besides .1 for converting W. */
+outcome peer_reach(const peer_method *p, const scene *s, double tol, double limit);
 
 #endif

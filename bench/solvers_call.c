@@ -80,6 +80,11 @@ static void run_task(void *data) {
   t->o->setup = fmax(both - cpu, 0);
 }
 
+double outcome_seconds(const outcome *o, double tol) {
+  const dls_status verdict = dls_certificate_verdict(&o->certificate, tol);
+  return o->ended == ENDED && dls_solved(verdict) ? o->cpu : INFINITY;
+}
+
 outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit) {
   const size_t m = (size_t)s->contact.d * (size_t)s->contact.nc;
   const size_t bytes = sizeof(outcome) + m * sizeof(double);

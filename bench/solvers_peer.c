@@ -8,6 +8,7 @@
  * some solvers write into them. Short calls are also tried in a row on one matrix, which is then in
  * the cache.
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -350,4 +351,14 @@ void peer_solve(const void *how, const scene *s, double tol, int calls, double *
 void peer_solve_again(const void *how, const scene *s, double tol, int calls, double *r,
                       outcome *o) {
   solve_jobs(how, s, tol, calls, 1, r, o);
+}
+
+outcome peer_reach(const peer_method *p, const scene *s, double tol, double limit) {
+  outcome o = {.ended = REFUSED, .certificate = {.residual = INFINITY}};
+  for (double own_tol = 10 * tol; own_tol > 1e-16; own_tol /= 10) {
+    o = measure(s, peer_solve, p, own_tol, limit + 0.1);
+    if (isfinite(outcome_seconds(&o, tol)) || o.ended != ENDED || o.cpu > limit || peer_pivots(p))
+      break;
+  }
+  return o;
 }

@@ -200,9 +200,8 @@ static void print_summary(const report *p) {
   if (!ratios) return;
   bench_print(p->page, "%s",
               "Ratio: CPU of delassus over that of the best solver of Siconos for the problem, "
-              "over the problems that both\nsolve.\n\n"
-              "| set | target | of | solved: auto | Siconos | median ratio | worst | on |\n"
-              "|---|---|---|---|---|---|---|---|\n");
+              "over the problems that both\nsolve.\n\n| set | target | of | solved: auto | Siconos "
+              "| median ratio | worst | on |\n|---|---|---|---|---|---|---|---|\n");
   for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++)
     for (int k = 0; k < TARGETS; k++) {
       const range *g = &ranges[i];

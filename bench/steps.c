@@ -1,7 +1,7 @@
 /*
  * steps.c: many problems one after the other: a batch of small ones, and the steps of a load path.
  *
- *   steps --out DIR
+ *   steps [--out DIR]
  *       steps.md: CPU of dls_solve_batch compared with a loop of dls_solve on boxes with four
  *       contacts; of a load path of 50 steps, smooth or with jumps, each from the answer of the
  *       last, compared with the same steps from zero; and of a punch with and without the contacts
@@ -18,7 +18,7 @@
 #include "common.h"
 #include "delassus/solve.h"
 #include "half_space.h"
-#include "rigid.h"
+#include "regret_kinds.h"
 
 /* ---- random numbers -------------------------------------------------------------------------- */
 
@@ -66,25 +66,25 @@ static dls_contact box_contact(const box *b) {
       .d = 3, .nc = corners, .W = {box_rows, box_rows, box_rows, b->W}, .q = b->q, .mu = b->mu};
 }
 
-/* Solves all boxes by a loop of dls_solve (batch = 0) or one dls_solve_batch; returns CPU us per
- * box, and how many were solved. */
-static double box_time(const dls_contact *p, double (*r)[box_rows], int batch, int *solved) {
+/* Times all boxes by a loop of dls_solve (batch = 0) or one dls_solve_batch; returns how many were
+ * solved. */
+static int box_time(const dls_contact *p, double (*r)[box_rows], int batch, bench_clock *c) {
   double *at[boxes];
   dls_info *info = malloc(boxes * sizeof *info);
   if (!info) exit(1);
   for (int k = 0; k < boxes; k++)
     at[k] = r[k];
-  const double begun = bench_seconds();
+  int solved = 0;
+  bench_start(c);
   dls_status status = DLS_OK;
   for (int k = 0; !batch && k < boxes && status >= 0; k++)
     status = dls_solve(&p[k], NULL, r[k], NULL, &info[k], NULL);
   if (batch) status = dls_solve_batch(boxes, p, NULL, at, NULL, info, NULL);
-  const double seconds = bench_seconds() - begun;
-  *solved = 0;
+  (void)bench_stop(c);
   for (int k = 0; k < boxes && status >= 0; k++)
-    *solved += info[k].status == DLS_OK;
+    solved += info[k].status == DLS_OK;
   free(info);
-  return 1e6 * seconds / boxes;
+  return solved;
 }
 
 static void print_boxes(FILE *page) {
@@ -94,12 +94,11 @@ static void print_boxes(FILE *page) {
   static dls_contact p[boxes];
   bench_print(
       page,
-      "## %d boxes with four contacts, d = 3, W dense, 1e-8\n\n"
-      "| boxes | loop of dls_solve, us each | dls_solve_batch | loop over batch | solved |\n"
-      "|---|---|---|---|---|\n",
+      "## %d boxes with four contacts, d = 3, W dense, 1e-8\n\n| boxes | loop of dls_solve, us "
+      "each | dls_solve_batch | loop over batch | solved |\n|---|---|---|---|---|\n",
       boxes);
   for (int kind = 0; kind < 3; kind++) {
-    double least[2] = {INFINITY, INFINITY};
+    bench_clock clock[2] = {{0}};
     int solved[2] = {0};
     steps_state = 2 + 2 * (uint64_t)kind;
     for (int k = 0; k < boxes; k++) {
@@ -108,9 +107,10 @@ static void print_boxes(FILE *page) {
     }
     for (int run = 0; run < runs; run++)
       for (int batch = 0; batch < 2; batch++)
-        least[batch] = fmin(least[batch], box_time(p, r, batch, &solved[batch]));
-    bench_print(page, "| %s | %.2f | %.2f | %.2f | %d, %d |\n", name[kind], least[0], least[1],
-                least[0] / least[1], solved[0], solved[1]);
+        solved[batch] = box_time(p, r, batch, &clock[batch]);
+    bench_print(page, "| %s | %.2f | %.2f | %.2f | %d, %d |\n", name[kind],
+                1e6 * clock[0].least / boxes, 1e6 * clock[1].least / boxes,
+                clock[0].least / clock[1].least, solved[0], solved[1]);
   }
 }
 
@@ -121,9 +121,9 @@ enum { load_steps = 50 };
 typedef struct path {
   int d, side, nc; /* side: candidates along x */
   double press, crown, tilt, shear, turn;
-  double jump;             /* of the load, as a share of the way */
-  double *W, *q, *mu, *at; /* at: x, y of each */
-  dls_contact p;
+  double jump; /* of the load, as a share of the way */
+  double *at;  /* x, y of each */
+  regret_problem of;
 } path;
 
 /* Seed 0 is the path of the first table; others draw load and friction within two fifths of it. */
@@ -142,31 +142,28 @@ static void path_make(path *a, int d, int side, int seed, double jump) {
   a->shear = .25 * path_factor(seed);
   a->turn = .1 * path_factor(seed);
   const double friction = .3 * path_factor(seed);
-  a->W = malloc(sizeof *a->W * (size_t)m * (size_t)m);
-  a->q = malloc(sizeof *a->q * (size_t)m);
-  a->mu = malloc(sizeof *a->mu * (size_t)nc);
   a->at = malloc(sizeof *a->at * 2 * (size_t)nc);
-  if (!a->W || !a->q || !a->mu || !a->at) exit(1);
+  if (!a->at || regret_room(&a->of, d, nc)) exit(1);
+  double *W = a->of.W, *mu = a->of.own.mu;
   for (int c = 0; c < nc; c++) {
     a->at[2 * c] = 2 * (c % side + .5) / side - 1;
     a->at[2 * c + 1] = d == 2 ? 0 : 2 * (c / side + .5) / side - 1;
   }
   if (d == 2)
-    (void)half_plane(a->W, a->q, a->mu, nc, 2, 0, 0, friction);
+    (void)half_plane(W, a->of.own.q, mu, nc, 2, 0, 0, friction);
   else
-    half_space(nc, a->at, 2. / side, a->W);
+    half_space(nc, a->at, 2. / side, W);
   for (int c = 0; c < nc; c++)
-    a->mu[c] = friction;
+    mu[c] = friction;
   for (size_t k = 0; k < (size_t)m * (size_t)m; k++)
-    a->W[k] *= d == 2 ? 2. / side : 4 * acos(0); /* of a cell; 2 pi */
-  a->p = (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};
+    W[k] *= d == 2 ? 2. / side : 4 * acos(0); /* of a cell; 2 pi */
 }
 
 /* Sets q for the share `load` of the way: a crowned punch that presses, tilts and shears. */
 static void path_load(const path *a, double load) {
   for (int c = 0; c < a->nc; c++) {
     const double x = a->at[2 * c], y = a->at[2 * c + 1];
-    double *q = a->q + a->d * c;
+    double *q = a->of.own.q + a->d * c;
     q[0] = -.2 - a->press * load + a->crown * (x * x + y * y) + a->tilt * x * load;
     q[1] = a->shear * load;
     if (a->d == 3) q[2] = a->turn * load * x;
@@ -174,46 +171,45 @@ static void path_load(const path *a, double load) {
 }
 
 /* Walks the path, cold or warm; returns CPU ms per step. */
-static double path_time(const path *a, int warm, int *solved, int *iterations, int *factored) {
+static double path_time(const path *a, int warm, int *solved) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   s.limits.warm_start = warm;
   dls_solver *solver;
-  double *r = calloc((size_t)(a->d * a->nc), sizeof *r), seconds = 0;
+  double *r = calloc((size_t)(a->d * a->nc), sizeof *r);
+  bench_clock c = {0};
   if (!r || dls_solver_create(&solver, a->d, a->nc, &s, NULL)) exit(1);
-  *solved = *iterations = *factored = 0;
+  *solved = 0;
   steps_state = 0;
   for (int k = 1; k <= load_steps; k++) {
-    dls_info info = {.status = DLS_STALLED};
     const double load = (double)k / load_steps + a->jump * steps_draw();
     path_load(a, fmin(fmax(load, 1. / load_steps), 1));
-    const double begun = bench_seconds();
-    const dls_status status = dls_solver_solve(solver, &a->p, r, NULL, &info, NULL);
-    seconds += bench_seconds() - begun;
-    *solved += status == DLS_OK;
-    *iterations += info.iterations;
-    *factored += info.factorisations;
+    dls_info info;
+    bench_start(&c);
+    *solved += dls_solver_solve(solver, &a->of.contact, r, NULL, &info, NULL) == DLS_OK;
+    (void)bench_stop(&c);
   }
   dls_solver_destroy(solver);
   free(r);
-  return 1e3 * seconds / load_steps;
+  return 1e3 * c.all / load_steps;
+}
+
+static void path_free(path *a) {
+  regret_free(&a->of);
+  free(a->at);
 }
 
 static void print_path(FILE *page, int d, int side, int seed, double jump) {
   path a;
   double least[2] = {INFINITY, INFINITY};
-  int solved[2], iterations[2], factored[2];
+  int solved[2];
   path_make(&a, d, side, seed, jump);
   for (int run = 0; run < 3; run++)
     for (int warm = 0; warm < 2; warm++)
-      least[warm] =
-          fmin(least[warm], path_time(&a, warm, &solved[warm], &iterations[warm], &factored[warm]));
+      least[warm] = fmin(least[warm], path_time(&a, warm, &solved[warm]));
   bench_print(seed == 2 ? NULL : page, "| %d | %d | %d | %.3f | %.3f | %.2f | %d, %d |\n", a.d,
               a.nc, seed, least[0], least[1], least[1] / least[0], solved[0], solved[1]);
-  free(a.W);
-  free(a.q);
-  free(a.mu);
-  free(a.at);
+  path_free(&a);
 }
 
 static void print_paths(FILE *page) {
@@ -244,20 +240,19 @@ static double part_time(const path *a, int warm, int *touching) {
   dls_solver_settings_init(&s);
   s.limits.warm_start = warm;
   dls_solver *solver;
-  double *r = malloc(sizeof *r * (size_t)(a->d * a->nc)), least = INFINITY;
+  double *r = malloc(sizeof *r * (size_t)(a->d * a->nc));
+  bench_clock clock = {0};
   if (!r || dls_solver_create(&solver, a->d, a->nc, &s, NULL)) exit(1);
-  for (int run = 0; run < 20; run++) {
+  while (bench_runs(&clock, 20, 0, 0)) {
     memset(r, 0, sizeof *r * (size_t)(a->d * a->nc));
-    const double begun = bench_seconds();
-    if (dls_solver_solve(solver, &a->p, r, NULL, NULL, NULL)) exit(1);
-    least = fmin(least, bench_seconds() - begun);
+    if (dls_solver_solve(solver, &a->of.contact, r, NULL, NULL, NULL)) exit(1);
   }
   *touching = 0;
   for (int c = 0; c < a->nc; c++)
     *touching += r[a->d * c] > 0;
   dls_solver_destroy(solver);
   free(r);
-  return 1e3 * least;
+  return 1e3 * clock.least;
 }
 
 static void print_parts(FILE *page) {
@@ -272,7 +267,7 @@ static void print_parts(FILE *page) {
       path_make(&a, scene[k].d, scene[k].side, 0, 0);
       for (int c = 0; c < a.nc; c++) {
         const double x = a.at[2 * c], y = a.at[2 * c + 1];
-        double *q = a.q + a.d * c;
+        double *q = a.of.own.q + a.d * c;
         q[0] = crown * (x * x + y * y) - 1;
         q[1] = .25;
         if (a.d == 3) q[2] = .1 * x;
@@ -282,18 +277,13 @@ static void print_parts(FILE *page) {
       if (touching[0] != touching[1]) exit(1);
       bench_print(page, "| %d | %d | %d | %d | %.3f | %.3f | %.2f |\n", a.d, a.nc, near,
                   touching[0], all, some, some / all);
-      free(a.W);
-      free(a.q);
-      free(a.mu);
-      free(a.at);
+      path_free(&a);
     }
 }
 
 int main(int argc, char **argv) {
-  if (!bench_options(argc, argv, "--out DIR")) return 2;
-  FILE *page = bench_page(bench_word(argc, argv, "--out", NULL), "steps",
-                          "Many problems one after the other", argc, argv);
-  if (!page) return 1;
+  FILE *page =
+      bench_program(argc, argv, "[--out DIR]", "steps", "Many problems one after the other");
   print_boxes(page);
   print_paths(page);
   print_parts(page);

@@ -43,15 +43,6 @@ static int solve_by(const dls_contact *p, dls_method method, double tol, double 
   return dls_solve(p, &s, r, NULL, info, NULL) == DLS_OK;
 }
 
-static double error_of(const double *r, const double *exact, size_t m) {
-  double difference = 0, size = 0;
-  for (size_t k = 0; k < m; k++) {
-    difference += (r[k] - exact[k]) * (r[k] - exact[k]);
-    size += exact[k] * exact[k];
-  }
-  return sqrt(difference / size);
-}
-
 /* Returns how many candidates have other states in r than in exact; -1 if that is not known. */
 static int count_changed(const dls_contact *p, const double *r, const double *exact) {
   const size_t nc = (size_t)p->nc, m = (size_t)p->d * nc;
@@ -96,7 +87,7 @@ static void judge_scene(void *data, const scene *s) {
   for (int k = 0; k < 8; k++) {
     if (!solve_by(p, methods[k % 2], tols[k / 2], r, &info)) continue;
     if (dls_contact_sensitivity(p, r, &of, NULL)) continue;
-    const double observed = error_of(r, exact, m), share = of.error / observed;
+    const double observed = bench_distance(m, r, exact), share = of.error / observed;
     if (!(observed > 1e-11 && info.certificate.residual > 1e-11) || !(share < least)) continue;
     least = share;
     row.s = of;
@@ -135,7 +126,7 @@ static void judge_random(void *data, const scene *s) {
                    !dls_contact_prove(p, exact, &proof, exact, NULL) && proof.kind == DLS_PROVED &&
                    solve_by(p, methods[k % 2], tol, r, &info) &&
                    !dls_contact_sensitivity(p, r, &of, NULL);
-  const double observed = good ? error_of(r, exact, (size_t)(p->d * p->nc)) : NAN;
+  const double observed = good ? bench_distance((size_t)(p->d * p->nc), r, exact) : NAN;
   if (!(observed > 1e-11 && info.certificate.residual > 1e-11)) {
     t->skipped++;
     return;
@@ -192,16 +183,14 @@ static int judge_texts(const char *directory, trust_table *t) {
 int main(int argc, char **argv) {
   static trust_table t;
   static double share[most_scenes];
-  if (!bench_options(argc, argv, "--out DIR")) return 2;
-  const char *out = argv[argc - 1];
+  FILE *page =
+      bench_program(argc, argv, "[--out DIR]", "trust", "What a residual means for the reactions");
   if (judge_texts("data/failures", &t) || scenes_files("data/fclib", judge_scene, &t) ||
       scenes_blocks(0, judge_scene, &t) || scenes_cubes(0, judge_scene, &t))
     return 1;
   trust_tally tally = {0};
   for (int k = 0; k < randoms; k++)
     if (scenes_random(k, 0, random_rows - 1, judge_random, &tally)) return 1;
-  FILE *page = bench_page(out, "trust", "What a residual means for the reactions", argc, argv);
-  if (!page) return 1;
   for (int k = 0; k < t.count; k++)
     share[k] = t.row[k].predicted / t.row[k].observed;
   const int count = t.count;
@@ -214,12 +203,11 @@ int main(int argc, char **argv) {
               "\nThe relative error of r that `dls_contact_sensitivity` predicts from r alone, and "
               "the true one, |r - r*| / |r*|;\nof the answers of sweeps and of ADMM at 1e-4 to "
               "1e-8 the one with the least predicted / true. %d scenes; %d more\nhave no r* to "
-              "compare with: rank below rows, a contact on the border of two states, r = 0, or "
-              "no\nanswer with an error above rounding.\n\npredicted / true: below 0.8 in %d, 0.8 "
-              "to 10 in %d, median %.2f. The last column counts contacts whose state is "
-              "another\none than in "
-              "r*, a problem with several solutions for instance: there nothing is predicted. The "
-              "page has the scenes below 0.8\nand above 3, the screen all.\n",
+              "compare with: rank below rows, a contact on the border of two states, r = 0, or no\n"
+              "answer with an error above rounding.\n\npredicted / true: below 0.8 in %d, 0.8 to "
+              "10 in %d, median %.2f. The last column counts contacts whose state is another\none "
+              "than in r*, a problem with several solutions for instance: there nothing is "
+              "predicted. The page has the scenes below 0.8\nand above 3, the screen all.\n",
               count, t.skipped, below, close, bench_median((size_t)count, share));
   print_tally(page, &tally);
   bench_print(page, "\n| scene | rows | amplification | residual | predicted | true | predicted / "

@@ -134,7 +134,8 @@ void dlsi_kept_free(dlsi_kept *kept) {
   *kept = (dlsi_kept){.x = NULL};
 }
 
-const dlsi_body *dlsi_kept_body(dlsi_kept *kept) {
+/* Returns the body, which lives where *kept does. */
+static const dlsi_body *kept_body(dlsi_kept *kept) {
   kept->body.model = kept->has_K ? &kept->model : NULL;
   return &kept->body;
 }
@@ -181,7 +182,7 @@ static int kept_is_open(dlsi_kept *kept, double tol, const dls_certificate *foun
 dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const double *mu,
                              const double *r, const double *x, double tol, int regular,
                              dls_certificate *certificate, dls_error *error) {
-  const dlsi_body *body = dlsi_kept_body(kept);
+  const dlsi_body *body = kept_body(kept);
   dls_certificate found;
   dlsi_body_measure(body, kept->f, kept->gap, mu, r, x, kept->u, kept->scratch, &found);
   const int none = dlsi_max_abs(r, (size_t)H->d * (size_t)H->candidates) == 0;

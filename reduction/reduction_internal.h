@@ -86,7 +86,7 @@ void dlsi_factor_destroy(dlsi_factor *factor);
 typedef struct dlsi_kept {
   int has_K;         /* 0: a flexibility, a host's solver */
   dls_model model;   /* a view of K alone */
-  dlsi_body body;    /* dlsi_kept_body fills its model */
+  dlsi_body body;    /* kept_body fills its model */
   double *f, *gap;   /* the last load: n, m */
   double *u, *w;     /* m: scratch; weights of the contacts: 2 nc */
   double *x;         /* values of K */
@@ -116,9 +116,6 @@ dls_status dlsi_kept_certify(dlsi_kept *kept, const dlsi_operator *H, const doub
 dls_status dlsi_kept_again(const dlsi_kept *kept, const dlsi_operator *H, dlsi_kept *next,
                            dls_error *error);
 void dlsi_kept_take(dlsi_kept *kept, const dlsi_kept *next);
-
-/* Returns the body, which lives where *kept does. */
-const dlsi_body *dlsi_kept_body(dlsi_kept *kept);
 
 /* ---- W --------------------------------------------------------------------------------------- */
 

@@ -46,12 +46,6 @@ void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
   dlsi_take_vectors(arena, (size_t)d * n, 4, vectors);
 }
 
-void dlsi_set_limits(dls_limits *to, const dls_limits *from) {
-  const int blocks = to->blocks;
-  *to = *from;
-  to->blocks = blocks;
-}
-
 /* ---- one solve ------------------------------------------------------------------------------- */
 
 static size_t size_of(const dls_contact *problem) {

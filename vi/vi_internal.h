@@ -352,18 +352,12 @@ static inline dls_status dlsi_iterate_leave(dlsi_iterate *it, const char *method
   return dlsi_leave(&it->busy, status);
 }
 
-/* Copies `from` to `to` except `blocks`, for which create has made room. */
-void dlsi_set_limits(dls_limits *to, const dls_limits *from);
-
 /* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|, as
  * dlsi_contact_multiply. E: nc, or NULL for 0. */
 void dlsi_multiply(const dls_contact *problem, const int *order, const double *E, const double *r,
                    double *u, double *a);
 
 /* ---- vi/sweep/order.c ------------------------------------------------------------------------ */
-
-/* Returns 1 if W is dense, or has at least 25 % of all blocks. */
-int dlsi_is_full(const dls_contact *problem);
 
 /* Returns 1 if W is dense, or full with more than 100 contacts: most contacts are coupled, as on
  * elastic bodies. */
@@ -434,6 +428,6 @@ extern const dlsi_method dlsi_augmented_method, dlsi_penalty_method;
  * bound. Such a delta makes it likely that there is no solution. It is a proof only if W is
  * symmetric, W delta = 0, delta_n >= 0 and delta_t = 0: a self-stress of the normal reactions. NULL
  * after DLS_OK. It lives until the next solve or destroy. */
-const double *dlsi_augmented_direction(const dls_augmented *workspace);
+const double *dlsi_augmented_direction(const void *workspace);
 
 #endif

@@ -88,7 +88,7 @@ static void sweep_to_another(dlsi_auto *work, const double *r, const double *u) 
   if (!work->info.ambiguous || !work->part[SWEEPS]) return;
   limits.cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun);
   limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;
-  dlsi_nlgs_method.set_limits(work->part[SWEEPS], &limits);
+  dlsi_set_limits(&dlsi_nlgs_method, work->part[SWEEPS], &limits);
   if (dlsi_nlgs_method.solve(work->part[SWEEPS], problem, other, NULL, &info, NULL)) return;
   double difference = 0, size = 0;
   for (size_t k = 0; k < m; k++) {

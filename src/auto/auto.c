@@ -148,10 +148,6 @@ static const double *auto_farkas(const void *automatic) {
                                               : NULL;
 }
 
-static void auto_set_limits(void *automatic, const dls_limits *limits) {
-  dlsi_set_limits(&((dlsi_auto *)automatic)->options.limits, limits);
-}
-
 static void auto_destroy(void *automatic) {
   dlsi_auto *work = automatic;
   if (!work) return;
@@ -239,7 +235,7 @@ const dlsi_method dlsi_auto_method = {
     .create = auto_create,
     .solve = auto_solve,
     .destroy = auto_destroy,
-    .set_limits = auto_set_limits,
+    .limits = offsetof(dlsi_auto, options.limits),
     .direction = auto_direction,
     .farkas = auto_farkas,
     .map = dlsi_auto_map,

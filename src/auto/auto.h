@@ -188,7 +188,6 @@ int dlsi_auto_has_splitting(const dlsi_auto *work);
 int dlsi_auto_may_sweep(const dlsi_auto *work);
 int dlsi_auto_may_take_turn(const dlsi_auto *work);     /* IN_TURN */
 int dlsi_auto_may_augment_early(const dlsi_auto *work); /* SMALL */
-int dlsi_auto_may_step(const dlsi_auto *work);
 int dlsi_auto_may_pivot(const dlsi_auto *work);
 int dlsi_auto_may_go_early(const dlsi_auto *work, part k); /* EARLY */
 int dlsi_auto_may_follow_path(const dlsi_auto *work);

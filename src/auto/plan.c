@@ -62,7 +62,7 @@ int dlsi_auto_is_near(const dlsi_auto *work, double residual) {
   return residual <= dlsi_auto_push_near * pow(10, -dlsi_auto_failures(work));
 }
 
-int dlsi_auto_may_step(const dlsi_auto *work) {
+static int may_step(const dlsi_auto *work) {
   return !dlsi_auto_is_packing(work) || dlsi_auto_is_near(work, work->info.certificate.residual) ||
          work->history.taken[AUGMENTED];
 }
@@ -195,7 +195,7 @@ const step_kind dlsi_auto_kind[parts] = {
     [SWEEPS] = {DLS_STEP_ANDERSON, &dlsi_nlgs_method, dlsi_auto_may_sweep, 0},
     [SPLITTING] = {DLS_STEP_SPLITTING, &dlsi_admm_method, may_split, dlsi_auto_splits},
     [REST] = {DLS_STEP_CONVEX, &dlsi_rest_method, may_rest, 0},
-    [NEWTON] = {DLS_STEP_NEWTON, &dlsi_newton_method, dlsi_auto_may_step, 0},
+    [NEWTON] = {DLS_STEP_NEWTON, &dlsi_newton_method, may_step, 0},
     [AUGMENTED] = {DLS_STEP_AUGMENTED, &dlsi_augmented_method, NULL, 0},
     [PIVOTING] = {DLS_STEP_LEMKE, &dlsi_lemke_method, dlsi_auto_may_pivot, 0},
     [COLD_SPLITTING] = {DLS_STEP_COLD_SPLITTING, &dlsi_admm_method, NULL, 2000},

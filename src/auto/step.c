@@ -66,7 +66,7 @@ static dls_status run_part(dlsi_auto *work, part k, dls_info *info, dls_error *e
   if (k == AUGMENTED)
     dlsi_augmented_allow(home, work->in_turn ? dlsi_auto_factors_of_turn(work) : 0);
   if (k == REST) dlsi_rest_allow(home, work->convex_from > 0 ? dlsi_auto_sweeps(work) : 0);
-  kind->method->set_limits(home, &limits);
+  dlsi_set_limits(kind->method, home, &limits);
   return kind->method->solve(home, &of_bodies, work->r, NULL, info, error);
 }
 

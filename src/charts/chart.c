@@ -199,7 +199,7 @@ static double chart_mean(chart *c, int k) {
   double sum = 0, worst = 1;
   int rungs = 0;
   for (int rung = 0; rung < c->race.rungs; rung++) {
-    const double fastest = race_fastest(&c->race, rung, 0);
+    const double fastest = race_fastest(&c->race, rung);
     const trial *t = race_trial(&c->race, k, rung);
     if (!isfinite(fastest)) continue;
     const double ratio = t->end == ENDED_SOLVED ? t->seconds / fastest : INFINITY;

@@ -32,8 +32,8 @@ static int write_chart_csv(const chart *c, const char *directory) {
       const int solved = t->end == ENDED_SOLVED;
       fprintf(file, "%s,%.0e,%s,%d,%.4e,%.3f,%d,%.17g,%.3e,%c,%d\n", a->who[k].name, a->tol[rung],
               ending_word(t->end), t->asked, t->seconds,
-              solved ? t->seconds / race_fastest(a, rung, 0) : (double)NAN, t->iterations,
-              t->residual, c->error[k * a->rungs + rung],
+              solved ? t->seconds / race_fastest(a, rung) : (double)NAN, t->iterations, t->residual,
+              c->error[k * a->rungs + rung],
               solved && c->went_to[k] >= 0 ? 'A' + c->went_to[k] : '-', t->longer);
     }
   return close_file(file, "chart.csv");
@@ -71,7 +71,7 @@ static ranges find_ranges(const chart *c) {
       stretch_range(1e3 * t->seconds, &g.ms_min, &g.ms_max);
       if (t->residual > 0) stretch_range(t->residual, NULL, &g.residual_max);
       if (t->end != ENDED_SOLVED) break;
-      stretch_range(t->seconds / race_fastest(a, rung, 0), NULL, &g.ratio_max);
+      stretch_range(t->seconds / race_fastest(a, rung), NULL, &g.ratio_max);
       if (error > 0) stretch_range(error, NULL, &g.error_max);
     }
     const history *h = &c->history[k];
@@ -136,12 +136,12 @@ static void write_marks(FILE *s, const chart *c, const ranges *g) {
 static void write_band(FILE *s, const chart *c) {
   fputs("  $band << END\n", s);
   int rungs = 0;
-  while (rungs < c->race.rungs && isfinite(race_fastest(&c->race, rungs, 0)))
+  while (rungs < c->race.rungs && isfinite(race_fastest(&c->race, rungs)))
     rungs++;
   for (int i = 0; i < rungs; i++)
-    fprintf(s, "%.5g,%.0e\n", 1e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+    fprintf(s, "%.5g,%.0e\n", 1e3 * race_fastest(&c->race, i), c->tol[i]);
   for (int i = rungs - 1; i >= 0; i--)
-    fprintf(s, "%.5g,%.0e\n", 2e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+    fprintf(s, "%.5g,%.0e\n", 2e3 * race_fastest(&c->race, i), c->tol[i]);
   fputs(rungs ? "END\n" : "1,NaN\nEND\n", s);
 }
 
@@ -153,7 +153,7 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
           "  set format x '10^{%%T}'\n  set format y '10^{%%T}'\n  set ytics 1e-16,1e4\n",
           g->ms_min, g->ms_max, least_residual, g->residual_max);
   write_marks(s, c, g);
-  if (isfinite(race_fastest(&c->race, 0, 0)))
+  if (isfinite(race_fastest(&c->race, 0)))
     fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
   else
     fputs("  plot 1/0 with lines", s);

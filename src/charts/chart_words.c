@@ -9,7 +9,7 @@ void chart_advice(const chart *c, char *text, size_t size) {
   const race *a = &c->race;
   if (c->take < 0) {
     (void)snprintf(text, size, "%s; auto: %s",
-                   isfinite(race_fastest(a, 0, 0))
+                   isfinite(race_fastest(a, 0))
                        ? "no method solves it at all tolerances that another solves"
                        : "no method solves it",
                    ending_word(race_trial(a, 0, a->rungs - 1)->end));
@@ -49,7 +49,7 @@ void chart_cell(const chart *c, int k, int rung, char *text, size_t size) {
   const trial *t = race_trial(&c->race, k, rung);
   if (t->end == ENDED_SOLVED)
     (void)snprintf(text, size, "%.3g ms (%.2g)", 1e3 * t->seconds,
-                   t->seconds / race_fastest(&c->race, rung, 0));
+                   t->seconds / race_fastest(&c->race, rung));
   else
     (void)snprintf(text, size, "%s", ending_word(t->end));
 }

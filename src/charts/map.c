@@ -65,7 +65,7 @@ static dls_status map_race(map_run *m, int row, const dls_contact *contact, cons
     race_free(&a);
     return status;
   }
-  const double fastest = race_fastest(&a, 0, 0);
+  const double fastest = race_fastest(&a, 0);
   m->side[row] = NAN;
   m->solved_by_auto[row] = is_answer(race_trial(&a, 0, 0)->end);
   m->failed |= isfinite(fastest) && !m->solved_by_auto[row];

@@ -31,12 +31,11 @@ double *race_answer(const race *a, int k, int rung) {
   return a->answers + (size_t)(k * a->rungs + rung) * m;
 }
 
-double race_fastest(const race *a, int rung, int singles) {
+double race_fastest(const race *a, int rung) {
   double least = INFINITY;
   for (int k = 0; k < a->count; k++) {
     const trial *t = race_trial(a, k, rung);
-    if (is_answer(t->end) && !(singles && a->who[k].method == DLS_AUTO))
-      least = fmin(least, t->seconds);
+    if (is_answer(t->end)) least = fmin(least, t->seconds);
   }
   return least;
 }
@@ -174,7 +173,7 @@ static dls_status race_first(race *a, int rung, double end, dls_error *error) {
       t->asked = 0;
       continue;
     }
-    const double fastest = race_fastest(a, rung, 0), left = fmax(end - cpu_seconds(), 0);
+    const double fastest = race_fastest(a, rung), left = fmax(end - cpu_seconds(), 0);
     double limit = fmax(a->plan->limit, isfinite(fastest) ? patience * fastest : 0);
     if (a->who[k].method == DLS_AUTO) limit = fmax(limit, left / 2);
     limit = fmin(limit, fmax(left / 4, a->plan->limit));

@@ -78,9 +78,8 @@ int race_takes(const contender *who, const dls_contact *contact, const problem *
 trial *race_trial(const race *a, int k, int rung);
 double *race_answer(const race *a, int k, int rung);
 
-/* Returns the least CPU of those who answered the rung, INFINITY if none did; singles = 1: auto
- * apart. */
-double race_fastest(const race *a, int rung, int singles);
+/* Returns the least CPU of those who answered the rung, INFINITY if none did. */
+double race_fastest(const race *a, int rung);
 
 /* ---- history.c ------------------------------------------------------------------------------- */
 

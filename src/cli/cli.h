@@ -17,7 +17,7 @@ int solve_with(int argc, char **argv, const engine *from);
 int end_program(int result);
 
 /* info.c: prints a line for each of dls_diagnosis.hints. */
-void print_hints(const char *indent, int hints);
+void print_hints(int hints);
 
 /* ---- results.c ------------------------------------------------------------------------------- */
 

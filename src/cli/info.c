@@ -203,14 +203,12 @@ static void print_trust(const dls_contact *contact, const trust *t) {
   if (t->has_proof) printf("  answer of auto: %s\n", proof_words(&t->proof, words, sizeof words));
 }
 
-void print_hints(const char *indent, int hints) {
+void print_hints(int hints) {
   if (hints & DLS_HINT_OUTWARD)
-    printf("%shint: nothing presses; if it should, normals point out of the bodies (the sign of "
-           "H_N)\n",
-           indent);
+    puts(
+        "  hint: nothing presses; if it should, normals point out of the bodies (the sign of H_N)");
   if (hints & DLS_HINT_TRANSPOSED)
-    printf("%shint: the transpose of W has an answer; rows may have been given as columns\n",
-           indent);
+    puts("  hint: the transpose of W has an answer; rows may have been given as columns");
 }
 
 static void print_facts(const char *path, const problem *p, int limit, const dls_diagnosis *g,
@@ -228,7 +226,7 @@ static void print_facts(const char *path, const problem *p, int limit, const dls
   print_flaw(&g->no_effect, "component of r", "components of r", "without effect on u");
   print_friction(contact->d, contact->d * contact->nc, g);
   print_trust(contact, t);
-  print_hints("  ", g->hints);
+  print_hints(g->hints);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */

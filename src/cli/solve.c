@@ -149,19 +149,19 @@ static int print_states(const problem *p, const double *r, const double *u) {
 }
 
 /* Prints what dls_explain says, a line each. */
-static void print_explanation(const char *indent, const dls_info *info) {
+static void print_explanation(const dls_info *info) {
   char text[200 * (DLS_STAGES_MAX + 4)];
   (void)dls_explain(info, text, sizeof text);
   for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
-    printf("%s%s\n", indent, line);
+    printf("    %s\n", line);
 }
 
 /* Prints what is known of other answers, a line for each fact. */
-static void print_others(const char *indent, const dls_info *info) {
-  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
-  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
+static void print_others(const dls_info *info) {
+  if (info->unique == DLS_UNIQUE_NO) puts("  another certified answer was found");
+  if (info->unique == DLS_UNIQUE_YES) puts("  no other answer: proved");
   if (info->ambiguous)
-    printf("%s%d contact%s with several answers if all others are held\n", indent, info->ambiguous,
+    printf("  %d contact%s with several answers if all others are held\n", info->ambiguous,
            plural(info->ambiguous));
 }
 
@@ -176,9 +176,9 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
          dls_status_text(o->info.status), o->info.iterations,
          iteration_word(o->info.method, o->info.iterations), c->residual, o->solve_cpu_seconds);
   print_residuals("  ", c);
-  print_others("  ", &o->info);
+  print_others(&o->info);
   if (explain)
-    print_explanation("    ", &o->info);
+    print_explanation(&o->info);
   else
     print_stages(&o->info);
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
@@ -195,7 +195,7 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
   if (m == 0 || p->on_K || (dls_solved(o->info.status) && r[0] != 0)) return 1;
   if (dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, &error))
     return complain_of(path, &error), 0;
-  print_hints("  ", facts.hints);
+  print_hints(facts.hints);
   return 1;
 }
 

@@ -5,6 +5,8 @@
 #ifndef DLSI_METHOD_H
 #define DLSI_METHOD_H
 
+#include <stddef.h>
+
 #include "contact.h"
 
 struct dlsi_room; /* linear/room.h */
@@ -35,7 +37,7 @@ typedef struct dlsi_method {
   dls_status (*solve)(void *work, const dls_contact *problem, double *r, double *u, dls_info *info,
                       dls_error *error);
   void (*destroy)(void *work);
-  void (*set_limits)(void *work, const dls_limits *limits); /* all but blocks */
+  size_t limits; /* where the workspace has its dls_limits */
   /* After DLS_NO_SOLUTION_LIKELY, or a ray of Lemke's method, the direction along which the
    * reactions run away, m. NULL: the method does not return it. */
   const double *(*direction)(const void *work);
@@ -47,5 +49,13 @@ typedef struct dlsi_method {
   void (*map)(void *work, int nc, const int *from);
   int takes_bodies; /* 1: solves a problem of bodies directly, 0: also needs W by blocks */
 } dlsi_method;
+
+/* Sets the limits of a workspace but for `blocks`, for which create has made room. */
+static inline void dlsi_set_limits(const dlsi_method *of, void *work, const dls_limits *limits) {
+  dls_limits *to = (void *)((char *)work + of->limits);
+  const int blocks = to->blocks;
+  *to = *limits;
+  to->blocks = blocks;
+}
 
 #endif

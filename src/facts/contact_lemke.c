@@ -80,11 +80,6 @@ static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
   dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->limits);
 }
 
-static void contact_lemke_set_limits(void *lemke, const dls_limits *limits) {
-  contact_lemke *work = lemke;
-  dlsi_set_limits(&work->limits, limits);
-}
-
 static void contact_lemke_destroy(void *lemke) {
   contact_lemke *work = lemke;
   if (!work) return;
@@ -118,7 +113,7 @@ static dls_status contact_lemke_create(void **out, int d, int nc, const dlsi_opt
     contact_lemke_destroy(work);
     return status;
   }
-  contact_lemke_set_limits(work, &options->limits);
+  dlsi_set_limits(&dlsi_lemke_method, work, &options->limits);
   *out = work;
   return DLS_OK;
 }
@@ -249,9 +244,9 @@ static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_er
     if (dls_certificate_holds(&work->it.certificate, work->limits.tol)) return DLS_OK;
     steps.cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun);
     steps.max_iterations = polish_sweeps;
-    dlsi_nlgs_method.set_limits(work->nlgs, &steps);
+    dlsi_set_limits(&dlsi_nlgs_method, work->nlgs, &steps);
     steps.max_iterations = 0;
-    dlsi_newton_method.set_limits(work->newton, &steps);
+    dlsi_set_limits(&dlsi_newton_method, work->newton, &steps);
     if (round > 1) {
       status = dls_nlgs_solve(work->nlgs, problem, work->r, NULL, NULL, error);
       if (status < 0) return status;
@@ -359,7 +354,7 @@ const dlsi_method dlsi_lemke_method = {
     .create = contact_lemke_create,
     .solve = contact_lemke_solve,
     .destroy = contact_lemke_destroy,
-    .set_limits = contact_lemke_set_limits,
+    .limits = offsetof(contact_lemke, limits),
     .direction = contact_lemke_direction,
     .farkas = contact_lemke_farkas,
 };

@@ -45,7 +45,8 @@ enum { most_frames = 40, most_cuts = 8, cuts_for_balance = 3, most_turns = 2 };
 
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-int dlsi_forming_assemble(dls_forming *f) {
+/* Assembles F, K, new states and energy at x; returns 0 if an element fails. */
+static int forming_assemble(dls_forming *f) {
   const double start = dlsi_forming_seconds();
   double *K = f->band.a;
   int good = 1;
@@ -212,7 +213,7 @@ static void forming_move(dls_forming *f, double s) {
 /* Assembles at x and returns 1 if (FO5) takes the step.
  *   before: in, the imbalance before the step; grow: in, 1 if it may grow */
 static int forming_acceptable(dls_forming *f, double before, int grow) {
-  if (!dlsi_forming_assemble(f)) return 0;
+  if (!forming_assemble(f)) return 0;
   return grow || forming_imbalance(f) <= before || forming_equilibrium(f) <= f->settings.tol;
 }
 
@@ -267,9 +268,9 @@ static int forming_start(dls_forming *f) {
   memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
   for (int i = 0; i < f->n; i++)
     f->x[i] = f->x0[i] + ahead * (f->x0[i] - f->before[i]);
-  if (ahead > 0 && dlsi_forming_assemble(f)) return 1;
+  if (ahead > 0 && forming_assemble(f)) return 1;
   memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
-  return dlsi_forming_assemble(f);
+  return forming_assemble(f);
 }
 
 double dlsi_forming_held_friction(const dls_forming *f, int c) {
@@ -338,7 +339,7 @@ dls_status dlsi_forming_contact_loop(dls_forming *f, dls_error *error) {
 }
 
 void dlsi_forming_show(dls_forming *f) {
-  (void)dlsi_forming_assemble(f);
+  (void)forming_assemble(f);
   forming_set_frames(f);
   forming_set_positions(f);
 }

@@ -119,9 +119,6 @@ struct dls_forming {
   dls_forming_data data;
 };
 
-/* Assembles F, K, new states and energy at x; returns 0 if an element fails. */
-int dlsi_forming_assemble(dls_forming *f);
-
 /* y += H r; y: n. */
 void dlsi_forming_push(const dls_forming *f, const double *r, double *y);
 

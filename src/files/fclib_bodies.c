@@ -12,8 +12,6 @@
 
 #include "files/fclib_bodies.h"
 
-enum { most_motions = 6 };
-
 /* Gathers the blocks of M into L, n x n each, column-major. Returns 0 if M has other entries. */
 static int bodies_of_mass(const dls_sparse *M, int n, double *L) {
   for (int j = 0; j < M->cols; j++)

@@ -335,21 +335,21 @@ static dls_status read_title(const source *s, char **title) {
 /* Returns DLS_E_UNSUPPORTED if the matrix or the vector of bilateral constraints exists and is not
  * empty. */
 static dls_status refuse_bilateral(const source *s, const char *matrix, const char *m,
-                                   const char *n, const char *vector) {
+                                   const char *n) {
   int rows = 0, cols = 0;
   dls_status status = DLS_OK;
   if (has_link(s, matrix)) {
     status = read_int(s, m, 0, &rows);
     if (!status) status = read_int(s, n, 0, &cols);
   }
-  const hid_t set = status ? -1 : H5Dopen2(s->group, vector, s->set_access);
+  const hid_t set = status ? -1 : H5Dopen2(s->group, "vectors/s", s->set_access);
   const hid_t space = set < 0 ? -1 : H5Dget_space(set);
   const hssize_t held = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
   if (space >= 0) (void)H5Sclose(space);
   if (set >= 0) (void)H5Dclose(set);
   const int empty = rows < 1 || cols < 1;
   if (status || (empty && held < 1)) return status;
-  return dlsi_fail(s->error, DLS_E_UNSUPPORTED, empty ? vector : matrix, -1, (double)held,
+  return dlsi_fail(s->error, DLS_E_UNSUPPORTED, empty ? "vectors/s" : matrix, -1, (double)held,
                    "bilateral constraints are not read");
 }
 
@@ -376,8 +376,8 @@ static dls_status read_friction(const source *s, dls_fclib *file) {
 static dls_status read_local(const source *s, dls_fclib *file) {
   dlsi_triplets W = {0};
   dlsi_columns A = {0};
-  dls_status status = refuse_bilateral(s, "V", "V/m", "V/n", "vectors/s");
-  if (!status) status = refuse_bilateral(s, "R", "R/m", "R/n", "vectors/s");
+  dls_status status = refuse_bilateral(s, "V", "V/m", "V/n");
+  if (!status) status = refuse_bilateral(s, "R", "R/m", "R/n");
   if (!status) status = read_square(s, &names_W, &W);
   if (!status) status = set_candidates(s, "W/m", W.rows, file);
   /* read q before memory is allocated: a vector of m values is more than a claim of m rows */

@@ -19,11 +19,9 @@ long long dlsi_file_size(FILE *file);
 /* *content := all of the file behind its place, *size bytes and a 0; free it after an error. */
 dls_status dlsi_file_content(FILE *file, char **content, size_t *size, dls_error *error);
 
-/* Reads a real Matrix Market file; lists both halves of a symmetric one. Free t also after an
- * error. Errors of dls_mtx_read. */
-dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error);
-
-/* Does the same, or where `calculix` reads that format; *symmetric (or NULL): of the whole. */
+/* Reads a real Matrix Market file, or, where `calculix`, that format; lists both halves of a
+ * symmetric one. *symmetric (or NULL): of the whole. Free t also after an error. Errors of
+ * dls_mtx_read. */
 dls_status dlsi_mtx_read_file(const char *path, int calculix, dlsi_triplets *t, int *symmetric,
                               dls_error *error);
 

@@ -361,11 +361,6 @@ dls_status dlsi_mtx_read_file(const char *path, int calculix, dlsi_triplets *t, 
   return status;
 }
 
-dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error) {
-  *t = (dlsi_triplets){0};
-  return dlsi_mtx_read_file(path, 0, t, NULL, error);
-}
-
 void dls_mtx_free_sparse(dls_sparse *A) {
   if (!A) return;
   dlsi_columns own = {A->rows, A->cols, (int *)(uintptr_t)A->p, (int *)(uintptr_t)A->i,

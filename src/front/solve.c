@@ -170,7 +170,7 @@ dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, d
   const int blocks = solver->settings.limits.blocks;
   solver->settings.limits = *limits;
   solver->settings.limits.blocks = blocks;
-  solver->method->set_limits(solver->work, &solver->settings.limits);
+  dlsi_set_limits(solver->method, solver->work, &solver->settings.limits);
   return dlsi_leave(&solver->busy, DLS_OK);
 }
 
@@ -266,10 +266,10 @@ static dls_status solver_run(dls_solver *solver, const dls_contact *problem, dou
   const dls_limits given = *limits;
   dls_status status =
       dlsi_scaled_begin(&scaled, &solver->units, &problem, &r, &u, &info, limits, error);
-  if (limits->progress != given.progress) solver->method->set_limits(solver->work, limits);
+  if (limits->progress != given.progress) dlsi_set_limits(solver->method, solver->work, limits);
   if (!status && !is_answered(&solver->settings, problem, r, u, info))
     status = solver_solve(solver, problem, r, u, info, error);
-  if (limits->progress != given.progress) solver->method->set_limits(solver->work, &given);
+  if (limits->progress != given.progress) dlsi_set_limits(solver->method, solver->work, &given);
   *limits = given;
   return solver->status = dlsi_scaled_end(&scaled, status, error);
 }

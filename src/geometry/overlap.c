@@ -66,12 +66,12 @@ static double overlap_area(const overlap_polygon *p) {
   return area / 2;
 }
 
-/* (OV2) keeps what is to the left of a -> b, sign 1, or to the right of it, -1. */
-static void overlap_cut(overlap_polygon *p, const double a[3], const double b[3], double sign) {
+/* (OV2) keeps what is to the right of a -> b. */
+static void overlap_cut(overlap_polygon *p, const double a[3], const double b[3]) {
   const overlap_polygon old = *p;
   double side[overlap_most];
   for (int k = 0; k < old.count; k++)
-    side[k] = sign * ((b[0] - a[0]) * (old.x[k][1] - a[1]) - (b[1] - a[1]) * (old.x[k][0] - a[0]));
+    side[k] = (b[1] - a[1]) * (old.x[k][0] - a[0]) - (b[0] - a[0]) * (old.x[k][1] - a[1]);
   p->count = 0;
   for (int k = 0; k < old.count; k++) {
     const int l = (k + 1) % old.count;
@@ -141,7 +141,7 @@ static void overlap_visit(void *data, int face) {
     memcpy(p.x[k], flat[k], sizeof p.x[k]);
   const double whole = overlap_area(&p);
   for (int k = 0; k < faces->corners && p.count > 2; k++)
-    overlap_cut(&p, other[k], other[(k + 1) % faces->corners], -1);
+    overlap_cut(&p, other[k], other[(k + 1) % faces->corners]);
   if (!(p.count > 2 && overlap_area(&p) > 1e-12 * whole)) return;
   for (int k = 1; k + 1 < p.count; k++) { /* a fan of triangles */
     const double *const corner[3] = {p.x[0], p.x[k], p.x[k + 1]};

@@ -128,14 +128,11 @@ static int holds(const char *option, const char *path, const table *t, int one, 
                 plural((long long)count), one, or_other);
 }
 
-/* Reads exactly `count` numbers, row by row. */
-static int read_vector(const char *option, const char *path, int count, double **x) {
+/* Reads the `count` numbers of q. */
+static int read_q(const char *path, int count, double **q) {
   table t;
-  const int good = table_read(path, &t) && holds(option, path, &t, count, count);
-  if (good)
-    *x = t.a;
-  else
-    free(t.a);
+  const int good = table_read(path, &t) && holds("q", path, &t, count, count);
+  *q = t.a; /* freed with the others */
   return good;
 }
 
@@ -525,7 +522,7 @@ static int load_loads(const matrix_options *o, problem *p) {
     free(*old[k]);
     *old[k] = NULL;
   }
-  if (o->W ? !read_vector("q", o->q, p->contact.W.rows, &own->q)
+  if (o->W ? !read_q(o->q, p->contact.W.rows, &own->q)
            : !read_gaps(o->g, model->d, model->nodes, &own->g) ||
                  !read_loads(o->f, model->d, model->n, own->node || o->nodes, own))
     return 0;

@@ -328,28 +328,28 @@ static void print_cell(const quantity *q, int c, double scale, double *worst) {
   if (fabs(difference) > *worst) *worst = fabs(difference);
 }
 
-static void print_quantities(const run *a, const quantity *q, int count) {
+static void print_quantities(const run *a, const quantity *q) {
   const int nc = a->data.candidates;
   double worst[2] = {0}, scale[2] = {0};
-  for (int k = 0; k < count && q[k].paper; k++)
+  for (int k = 0; k < 2 && q[k].paper; k++)
     scale[k] = largest_entry(q[k].paper, nc);
-  if (count == 2 && scale[1] == 0) scale[1] = scale[0]; /* Fig. 4: all Q2 are 0 */
+  if (scale[1] == 0) scale[1] = scale[0]; /* Fig. 4: all Q2 are 0 */
   printf("from 0  status");
-  for (int k = 0; k < count; k++) {
+  for (int k = 0; k < 2; k++) {
     printf("  %12s", q[k].name);
     if (q[k].paper) printf("  %12s  %8s", "paper", "diff/max");
   }
   putchar('\n');
   for (int c = 0; c < nc; c++) {
     printf("%6d  %-6s", c, state_word(a->state[c]));
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < 2; k++)
       print_cell(&q[k], c, scale[k], &worst[k]);
     putchar('\n');
   }
   if (!q[0].paper) return;
   printf("largest diff/max:");
-  for (int k = 0; k < count; k++)
-    printf(" %s %.1e%s", q[k].name, worst[k], k + 1 < count ? "," : "\n");
+  for (int k = 0; k < 2; k++)
+    printf(" %s %.1e%s", q[k].name, worst[k], k ? "\n" : ",");
 }
 
 /* Tells if P^-1 of concentrated reactions obeys the laws, too ([Jean 1988] Propositions 2 and 3),
@@ -396,12 +396,12 @@ static void print_run(const run *a, const scene_options *o) {
   const quantity equivalent[] = {{"RT eq [N/m]", a->column[RT_EQ], with ? a->paper[4] : NULL},
                                  {"RN eq [N/m]", a->column[RN_EQ], with ? a->paper[5] : NULL}};
   putchar('\n');
-  print_quantities(a, positions, 2);
+  print_quantities(a, positions);
   putchar('\n');
-  print_quantities(a, reactions, 2);
+  print_quantities(a, reactions);
   puts(o->weighted ? "\nequivalent concentrated reactions, P r"
                    : "\nequivalent weighted reactions, P^-1 r");
-  print_quantities(a, equivalent, 2);
+  print_quantities(a, equivalent);
   if (!o->weighted) print_admissible(a);
   char text[FREEDOM_ROOM];
   if (*freedom_words(out->freedom, out->info.forces, text)) printf("%s\n", text);

@@ -99,7 +99,9 @@ void dlsi_border_begin(dlsi_border *b, int d, int nc, const dlsi_branch *branch,
     b->slot[c] = -1;
 }
 
-int dlsi_branch_serves(const dlsi_branch *a, const dlsi_branch *b, int loose) {
+/* Returns 1 if factors for a serve for b. loose: two slips, d = 3, may differ in l, and in
+ * direction by up to 37 degrees; the solution is then inexact. */
+static int branch_serves(const dlsi_branch *a, const dlsi_branch *b, int loose) {
   if (!loose || a->state != DLS_SLIP || b->state != DLS_SLIP || a->count == 1 || b->count == 1)
     return dlsi_branch_is_same(a, b);
   return a->mu == b->mu && a->t[0] * b->t[0] + a->t[1] * b->t[1] >= least_cosine;
@@ -141,10 +143,10 @@ static int border_first(const dlsi_border *b, int c) {
 }
 
 static int border_fits(const dlsi_border *b, int c, const dlsi_branch *now) {
-  if (b->slot[c] < 0) return dlsi_branch_serves(&b->base[c], now, b->loose);
+  if (b->slot[c] < 0) return branch_serves(&b->base[c], now, b->loose);
   if (border_is(b, c, WHOLE)) return 1;
   if (border_is(b, c, TANGENTS)) return now->state != DLS_FREE;
-  return now->state == DLS_FREE || dlsi_branch_serves(&b->frame[b->slot[c]], now, b->loose);
+  return now->state == DLS_FREE || branch_serves(&b->frame[b->slot[c]], now, b->loose);
 }
 
 /* e (3) := the direction at position j of a changed contact: of an unknown of the factored
@@ -348,7 +350,7 @@ static int border_factor(dlsi_border *b, const dlsi_branch *branch, const double
   int serves = b->held == b->k;
   for (int k = 0; serves && k < b->k; k++) {
     const int c = b->of[k];
-    serves = c < 0 || dlsi_branch_serves(&b->now[b->slot[c]], &branch[c], b->loose);
+    serves = c < 0 || branch_serves(&b->now[b->slot[c]], &branch[c], b->loose);
   }
   if (serves) return 1;
   b->held = 0;

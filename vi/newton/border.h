@@ -6,12 +6,8 @@
 #include "linear/dense.h"
 #include "states_matrix.h"
 
-/* Returns 1 if factors for a serve for b. loose: two slips, d = 3, may differ in l, and in
- * direction by up to 37 degrees; the solution is then inexact. */
-int dlsi_branch_serves(const dlsi_branch *a, const dlsi_branch *b, int loose);
-
 typedef struct dlsi_border {
-  int loose; /* for dlsi_branch_serves; set before dlsi_border_add */
+  int loose; /* for branch_serves; set before dlsi_border_add */
   int d, nc;
   int n;       /* side of the factored matrix */
   int k, most; /* added unknowns, of the changed contacts; most: room */

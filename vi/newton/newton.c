@@ -505,7 +505,7 @@ static dls_status newton_sweep(dls_newton *work, const dls_contact *problem, int
   limits.cpu_seconds = dlsi_clock_left(&work->settings.limits, work->it.begun);
   if (limits.progress) limits.progress = newton_tell_of_sweep;
   limits.progress_data = work;
-  dlsi_nlgs_method.set_limits(work->nlgs, &limits);
+  dlsi_set_limits(&dlsi_nlgs_method, work->nlgs, &limits);
   const dls_status status =
       dlsi_nlgs_run(work->nlgs, problem, NULL, work->it.E, work->r, NULL, &info);
   *sweeps = info.iterations;
@@ -618,19 +618,13 @@ static void newton_destroy(void *work) {
   dls_newton_destroy(work);
 }
 
-static void newton_set_limits(void *work, const dls_limits *limits) {
-  dlsi_set_limits(&((dls_newton *)work)->settings.limits, limits);
-}
-
 const dlsi_method dlsi_newton_method = {
-    DLS_NEWTON,
-    "newton",
-    "nonsmooth Newton steps after sweeps: 1e-8 and better, ill-conditioned W",
-    newton_create_by,
-    newton_solve,
-    newton_destroy,
-    newton_set_limits,
-    NULL,
-    NULL,
-    dlsi_newton_map,
-    0};
+    .method = DLS_NEWTON,
+    .name = "newton",
+    .summary = "nonsmooth Newton steps after sweeps: 1e-8 and better, ill-conditioned W",
+    .create = newton_create_by,
+    .solve = newton_solve,
+    .destroy = newton_destroy,
+    .limits = offsetof(dls_newton, settings.limits),
+    .map = dlsi_newton_map,
+};

@@ -378,7 +378,7 @@ static dls_status offer_point(homotopy *work, const dls_contact *problem, double
   const dls_limits steps = {.tol = work->limits.tol,
                             .warm_start = 1,
                             .cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun)};
-  dlsi_newton_method.set_limits(work->newton, &steps);
+  dlsi_set_limits(&dlsi_newton_method, work->newton, &steps);
   const dls_status status =
       dlsi_newton_method.solve(work->newton, problem, work->r, NULL, &info, error);
   if (status < 0) return status;
@@ -469,10 +469,6 @@ static void homotopy_destroy(void *homotopy_work) {
   free(work);
 }
 
-static void homotopy_set_limits(void *homotopy_work, const dls_limits *limits) {
-  dlsi_set_limits(&((homotopy *)homotopy_work)->limits, limits);
-}
-
 static dls_status homotopy_create(void **out, int d, int nc, const dlsi_options *options,
                                   dls_error *error) {
   homotopy filled = {.limits = options->limits, .d = d, .nc = nc};
@@ -503,5 +499,5 @@ const dlsi_method dlsi_homotopy_method = {
     .create = homotopy_create,
     .solve = homotopy_solve,
     .destroy = homotopy_destroy,
-    .set_limits = homotopy_set_limits,
+    .limits = offsetof(homotopy, limits),
 };

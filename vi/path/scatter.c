@@ -159,7 +159,7 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
                              .warm_start = 1,
                              .cpu_seconds = dlsi_no_clock};
   for (int k = 0; k < 2; k++)
-    dlsi_newton_method.set_limits(work->newton[k], &limits);
+    dlsi_set_limits(&dlsi_newton_method, work->newton[k], &limits);
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, work->limits.warm_start, r, work->r);
   dls_status status = dlsi_iterate_start(it, problem, work->r) ? DLS_OK : DLS_STALLED;
   if (status == DLS_STALLED) {
@@ -209,10 +209,6 @@ static void scatter_destroy(void *scatter_work) {
   free(work);
 }
 
-static void scatter_set_limits(void *scatter_work, const dls_limits *limits) {
-  dlsi_set_limits(&((scatter *)scatter_work)->limits, limits);
-}
-
 static dls_status scatter_create(void **out, int d, int nc, const dlsi_options *options,
                                  dls_error *error) {
   scatter filled = {.limits = options->limits, .room = options->room, .it = {.d = d, .nc = nc}};
@@ -244,5 +240,5 @@ const dlsi_method dlsi_scatter_method = {
     .create = scatter_create,
     .solve = scatter_solve,
     .destroy = scatter_destroy,
-    .set_limits = scatter_set_limits,
+    .limits = offsetof(scatter, limits),
 };

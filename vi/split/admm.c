@@ -457,18 +457,12 @@ static void admm_destroy(void *work) {
   dls_admm_destroy(work);
 }
 
-static void admm_set_limits(void *work, const dls_limits *limits) {
-  dlsi_set_limits(&((dls_admm *)work)->settings.limits, limits);
-}
-
-const dlsi_method dlsi_admm_method = {DLS_ADMM,
-                                      "admm",
-                                      "splitting, one factorisation: large dense W, stacks at rest",
-                                      admm_create_by,
-                                      admm_solve,
-                                      admm_destroy,
-                                      admm_set_limits,
-                                      NULL,
-                                      NULL,
-                                      NULL,
-                                      0};
+const dlsi_method dlsi_admm_method = {
+    .method = DLS_ADMM,
+    .name = "admm",
+    .summary = "splitting, one factorisation: large dense W, stacks at rest",
+    .create = admm_create_by,
+    .solve = admm_solve,
+    .destroy = admm_destroy,
+    .limits = offsetof(dls_admm, settings.limits),
+};

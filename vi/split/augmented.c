@@ -166,8 +166,9 @@ void dls_augmented_destroy(dls_augmented *workspace) {
   free(workspace);
 }
 
-const double *dlsi_augmented_direction(const dls_augmented *workspace) {
-  return workspace && workspace->escaped ? workspace->direction : NULL;
+const double *dlsi_augmented_direction(const void *workspace) {
+  const dls_augmented *work = workspace;
+  return work && work->escaped ? work->direction : NULL;
 }
 
 /* ---- one augmentation ------------------------------------------------------------------------ */
@@ -198,7 +199,7 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
                              .cpu_seconds =
                                  dlsi_clock_left(&work->settings.limits, work->it.begun)};
   dls_info info;
-  dlsi_newton_method.set_limits(work->newton, &limits);
+  dlsi_set_limits(&dlsi_newton_method, work->newton, &limits);
   const dls_status status =
       dlsi_newton_run(work->newton, &regularised, work->sE, work->x, NULL, &info, error);
   if (status >= 0) *factorisations += info.factorisations;
@@ -357,10 +358,6 @@ static void augmented_destroy(void *work) {
   dls_augmented_destroy(work);
 }
 
-static void augmented_set_limits(void *work, const dls_limits *limits) {
-  dlsi_set_limits(&((dls_augmented *)work)->settings.limits, limits);
-}
-
 void dlsi_augmented_forget(void *work) {
   ((dls_augmented *)work)->left = 0;
 }
@@ -373,30 +370,24 @@ int dlsi_augmented_factorisations(const void *work) {
   return ((const dls_augmented *)work)->factorisations;
 }
 
-static const double *augmented_direction(const void *work) {
-  return dlsi_augmented_direction(work);
-}
+const dlsi_method dlsi_augmented_method = {
+    .method = DLS_AUGMENTED_LAGRANGIAN,
+    .name = "augmented-lagrangian",
+    .summary = "proximal point method: where the others cycle or crawl",
+    .create = augmented_create_by,
+    .solve = augmented_solve,
+    .destroy = augmented_destroy,
+    .limits = offsetof(dls_augmented, settings.limits),
+    .direction = dlsi_augmented_direction,
+};
 
-const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
-                                           "augmented-lagrangian",
-                                           "proximal point method: where the others cycle or crawl",
-                                           augmented_create_by,
-                                           augmented_solve,
-                                           augmented_destroy,
-                                           augmented_set_limits,
-                                           augmented_direction,
-                                           NULL,
-                                           NULL,
-                                           0};
-
-const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
-                                         "penalty",
-                                         "its first step with large penalties: to see its error",
-                                         penalty_create_by,
-                                         augmented_solve,
-                                         augmented_destroy,
-                                         augmented_set_limits,
-                                         augmented_direction,
-                                         NULL,
-                                         NULL,
-                                         0};
+const dlsi_method dlsi_penalty_method = {
+    .method = DLS_PENALTY,
+    .name = "penalty",
+    .summary = "its first step with large penalties: to see its error",
+    .create = penalty_create_by,
+    .solve = augmented_solve,
+    .destroy = augmented_destroy,
+    .limits = offsetof(dls_augmented, settings.limits),
+    .direction = dlsi_augmented_direction,
+};

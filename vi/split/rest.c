@@ -471,10 +471,6 @@ static void rest_destroy(void *rest_work) {
   free(rest_work);
 }
 
-static void rest_set_limits(void *rest_work, const dls_limits *limits) {
-  dlsi_set_limits(&((rest *)rest_work)->limits, limits);
-}
-
 static dls_status rest_create(void **out, int d, int nc, const dlsi_options *options,
                               dls_error *error) {
   rest filled = {.limits = options->limits, .d = d, .nc = nc};
@@ -497,5 +493,5 @@ const dlsi_method dlsi_rest_method = {
     .create = rest_create,
     .solve = rest_solve,
     .destroy = rest_destroy,
-    .set_limits = rest_set_limits,
+    .limits = offsetof(rest, limits),
 };

@@ -52,11 +52,10 @@ static const double least_size = 0x1p-200;
 /* Newton's last step in l, as a fraction of l: the next step would be of its square. */
 static const double last_step = 1e-8;
 
-static dlsi_local_state local_set(int d, double *r, double n, double t, double s,
-                                  dlsi_local_state state) {
+static dlsi_local_state local_set(int d, double *r, double n, double t, dlsi_local_state state) {
   r[0] = n;
   if (d > 1) r[1] = t;
-  if (d == 3) r[2] = s;
+  if (d == 3) r[2] = 0;
   return state;
 }
 
@@ -80,7 +79,7 @@ static dlsi_local_state least_bad(int d, const double *W, const double *q, doubl
   const double w = trace > 0 ? trace / d : largest > 0 ? largest : 1;
   double best = INFINITY;
   dlsi_local_state state = DLS_LOCAL_NONE;
-  local_set(d, r, 0, 0, 0, state);
+  local_set(d, r, 0, 0, state);
   for (int k = 0; k < n; k++) {
     const double *p = points[k].r;
     double u[3] = {0}, F[3] = {0};
@@ -134,24 +133,24 @@ static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r)
 /* Solves for mu = 0, where the tangential rows only separate stick from slip. */
 static dlsi_local_state frictionless(int d, const double *W, const double *q, double *r) {
   if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
-  local_set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
+  local_set(d, r, -q[0] / W[0], 0, DLS_LOCAL_SLIP);
   if (!(r[0] <= DBL_MAX)) return least_bad(d, W, q, 0, &apart, 1, r);
   const int still = (d < 2 || q[1] + W[1] * r[0] == 0) && (d < 3 || q[2] + W[2] * r[0] == 0);
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
 }
 
 dlsi_local_state dlsi_local_1d(double W, const double *q, double *r) {
-  if (q[0] >= 0) return local_set(1, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
+  if (q[0] >= 0) return local_set(1, r, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   return frictionless(1, &W, q, r);
 }
 
 dlsi_local_state dlsi_local_2d(const dlsi_block_2d *b, const double *q, double *r) {
-  if (q[0] >= 0) return local_set(2, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
+  if (q[0] >= 0) return local_set(2, r, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   if (b->mu == 0) return frictionless(2, b->W, q, r);
   if (stick_2d(b, q, r)) return DLS_LOCAL_STICK; /* (LO3) */
   double plus[2], minus[2];                      /* (LO5) */
-  if (slip_2d(b, q, 1, plus)) return local_set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
-  if (slip_2d(b, q, -1, minus)) return local_set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
+  if (slip_2d(b, q, 1, plus)) return local_set(2, r, plus[0], plus[1], DLS_LOCAL_SLIP);
+  if (slip_2d(b, q, -1, minus)) return local_set(2, r, minus[0], minus[1], DLS_LOCAL_SLIP);
   const point points[] = {apart,
                           {{r[0], r[1], 0}, DLS_LOCAL_STICK},
                           {{plus[0], plus[1], 0}, DLS_LOCAL_SLIP},
@@ -446,7 +445,7 @@ static int all_slips(const schur *s, const slip_quartic *k, point *points) {
 }
 
 dlsi_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double guess, double *r) {
-  if (q[0] >= 0) return local_set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
+  if (q[0] >= 0) return local_set(3, r, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   if (b->mu == 0) return frictionless(3, b->W, q, r);
   if (!(b->W[0] > 0)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
   const schur s = local_schur(b, q);

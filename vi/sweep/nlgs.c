@@ -248,10 +248,6 @@ static void nlgs_destroy(void *work) {
   dls_nlgs_destroy(work);
 }
 
-static void nlgs_set_limits(void *work, const dls_limits *limits) {
-  dlsi_set_limits(&((dls_nlgs *)work)->settings.limits, limits);
-}
-
 /* Appends contact c to the visits, and the new ones that are numbered after it. */
 static int nlgs_append(int *visits, int count, int c, int nc, const int *from) {
   do
@@ -294,7 +290,13 @@ void dlsi_nlgs_map(void *workspace, int nc, const int *from) {
 }
 
 const dlsi_method dlsi_nlgs_method = {
-    DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
-    nlgs_create_by,  nlgs_solve, nlgs_destroy,
-    nlgs_set_limits, NULL,       NULL,
-    dlsi_nlgs_map,   1};
+    .method = DLS_NLGS,
+    .name = "nlgs",
+    .summary = "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
+    .create = nlgs_create_by,
+    .solve = nlgs_solve,
+    .destroy = nlgs_destroy,
+    .limits = offsetof(dls_nlgs, settings.limits),
+    .map = dlsi_nlgs_map,
+    .takes_bodies = 1,
+};

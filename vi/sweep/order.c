@@ -102,13 +102,14 @@ static void order_walk(const dls_contact *problem, double *coupling, int *order)
   }
 }
 
-int dlsi_is_full(const dls_contact *problem) {
+/* Returns 1 if W is dense, or has at least 25 % of all blocks. */
+static int is_full(const dls_contact *problem) {
   const double nc = problem->nc;
   return problem->W.a || (problem->Wb.x && problem->Wb.p[problem->nc] >= nc * nc / 4);
 }
 
 int dlsi_is_elastic(const dls_contact *problem) {
-  return problem->W.a || (problem->nc > few_candidates && dlsi_is_full(problem));
+  return problem->W.a || (problem->nc > few_candidates && is_full(problem));
 }
 
 void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,
