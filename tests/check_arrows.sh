@@ -44,7 +44,8 @@ ls include/*.h $sources | awk '
   }' - $sources >"$tmp/includes"
 
 # symbols: D or U, FILE, name
-(cd "$build/obj" && nm -A src/*/*.o lcp/*.o vi/*.o vi/*/*.o reduction/*.o global/*.o) | awk '
+objects=$(echo "$sources" | sed -n 's/\.c$/.o/p') # a file that is gone may have left one
+(cd "$build/obj" && ls $objects 2>/dev/null | xargs nm -A) | awk '
   { file = $1; sub(/\.o:.*/, ".c", file) }
   $(NF - 1) == "U" { print "U", file, $NF }
   $(NF - 1) ~ /^[TDRBWi]$/ { print "D", file, $NF }' >"$tmp/symbols"
