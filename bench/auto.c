@@ -1,11 +1,11 @@
 /*
  * auto.c: compares the method auto with the single methods.
  *
- *   auto [--out DIR] NAME...
+ *   auto NAME... [--out DIR]
  *       auto.md: for each problem and tolerance the CPU of the solve, ms, "-" for not solved, and
  *       the stages of auto; for each method how often it solved, and its CPU over that of the
  *       fastest other method
- *   auto [--out DIR] --price [SEED]
+ *   auto --price [SEED] [--out DIR]
  *       price.md: the cost of a step of each method in sweeps, measured and assumed by auto
  *       (auto_price.c); fails if they differ by more than a factor of 2
  *   auto --total [SEED]
@@ -178,7 +178,7 @@ static void print_summary(FILE *page, double tol, int count, result (*all)[metho
   }
 }
 
-static int run_comparison(FILE *page, int count, char **name) {
+static int run_comparison(FILE *page, int count, const char *const *name) {
   static result all[tolerances][most_files][methods];
   print_head(page);
   for (int f = 0; f < count; f++) {
@@ -197,7 +197,7 @@ static int run_comparison(FILE *page, int count, char **name) {
 }
 
 /* Returns 0 after a message if a name is none. */
-static int can_read(int count, char **name) {
+static int can_read(int count, const char *const *name) {
   for (int f = 0; f < count; f++) {
     either p;
     if (!named_problem(name[f], &p)) return 0;
@@ -206,50 +206,23 @@ static int can_read(int count, char **name) {
   return 1;
 }
 
-/* ---- the cost of a step ---------------------------------------------------------------------- */
-
-/* Returns 1, or 0 after a message. number: NULL for 1. */
-static int read_seed(const char *number, unsigned long *seed) {
-  char rest;
-  *seed = 1;
-  if (!number || sscanf(number, "%lu%c", seed, &rest) == 1) return 1;
-  return complain("--price, --total: SEED is not a number"), 0;
-}
-
-static int run_price(FILE *page, const char *number) {
-  unsigned long seed;
-  if (!read_seed(number, &seed)) return EXIT_BAD_INPUT;
-  return price_report(page, seed) ? EXIT_NOT_SOLVED : EXIT_SOLVED;
-}
-
-static int run_total(const char *number) {
-  unsigned long seed;
-  if (!read_seed(number, &seed)) return EXIT_BAD_INPUT;
-  total_report(seed);
-  return EXIT_SOLVED;
-}
-
 int main(int argc, char **argv) {
-  const char *directory = "bench/results";
-  int first = 1;
-  if (argc > 1 && argc < 4 && !strcmp(argv[1], "--total"))
-    return run_total(argc > 2 ? argv[2] : NULL);
-  if (argc > 2 && !strcmp(argv[1], "--out")) {
-    directory = argv[2];
-    first = 3;
-  }
-  const int count = argc - first, price = count > 0 && !strcmp(argv[first], "--price");
-  int bad = count < 1 || count > most_files || (price && count > 2);
-  for (int k = first + price; k < argc; k++)
-    bad |= argv[k][0] == '-';
-  if (bad)
-    return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
-                    "--total [SEED]");
-  if (!price && !can_read(count, argv + first)) return EXIT_BAD_INPUT; /* the page stays */
-  FILE *page = price ? bench_page(directory, "price", "Cost of a step, in sweeps", argc, argv)
-                     : bench_page(directory, "auto", "auto against the single methods", argc, argv);
-  if (!page) return EXIT_BAD_INPUT;
-  const int status = price ? run_price(page, count > 1 ? argv[first + 1] : NULL)
-                           : run_comparison(page, count, argv + first);
+  static const char usage[] = "[--price] [--total] [--out DIR] [NAME... | SEED]";
+  const char *name[most_files];
+  int count = 0;
+  if (!bench_options(argc, argv, usage)) return 2;
+  while (count < most_files && (name[count] = bench_other(argc, argv, usage, count)))
+    count++;
+  const uint64_t seed = count ? strtoull(name[0], NULL, 10) : 1;
+  const int price = bench_has(argc, argv, "--price");
+  if (bench_has(argc, argv, "--total")) return total_report(seed), 0;
+  if (!price && !count) return complain("name a file, contact-N or plane-N");
+  if (!price && !can_read(count, name)) return EXIT_BAD_INPUT; /* the page stays */
+  FILE *page =
+      bench_program(argc, argv, usage, price ? "price" : "auto",
+                    price ? "Cost of a step, in sweeps" : "auto against the single methods");
+  const int status = !price                     ? run_comparison(page, count, name)
+                     : price_report(page, seed) ? EXIT_NOT_SOLVED
+                                                : EXIT_SOLVED;
   return fclose(page) ? EXIT_BAD_INPUT : status;
 }

@@ -179,6 +179,15 @@ int bench_has(int argc, char *const *argv, const char *option) {
   return 0;
 }
 
+const char *bench_other(int argc, char *const *argv, const char *usage, int k) {
+  for (int i = 1; i < argc; i++) {
+    const char *behind = argv[i][0] == '-' ? behind_option(usage, argv[i]) : NULL;
+    if (argv[i][0] != '-' && k-- == 0) return argv[i];
+    i += behind && isupper((unsigned char)behind[strspn(behind, " ")]);
+  }
+  return NULL;
+}
+
 FILE *bench_open(const char *directory, const char *name) {
   char path[1024];
   snprintf(path, sizeof path, "%s/%s", directory, name);

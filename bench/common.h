@@ -72,6 +72,9 @@ double bench_number(int argc, char *const *argv, const char *option, double othe
 int bench_list(int argc, char *const *argv, const char *option, int *x, int count, int most);
 int bench_has(int argc, char *const *argv, const char *option);
 
+/* Returns word k, from 0, of those that are neither options of the usage nor their values. */
+const char *bench_other(int argc, char *const *argv, const char *usage, int k);
+
 /* Opens DIRECTORY/NAME.md and writes its head: the title, the command (make bench-<program> with
  * the options in argv, --out apart, as BENCH) and the kind of machine. NULL after a message. */
 FILE *bench_page(const char *directory, const char *name, const char *title, int argc,

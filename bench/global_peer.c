@@ -20,8 +20,8 @@ enum { look_every = 20, most = 20000 };
 typedef struct peer {
   cholmod_common c;
   cholmod_factor *of_K, *of_A;
-  cholmod_dense *b, *x, *y, *e;  /* x: solution; y, e: CHOLMOD's scratch */
-  double *h, *u, *z, *v, *s, *w; /* d nc, of (n, t ..): scratch, u, z, v; nc: s, w */
+  cholmod_dense *b, *x, *y, *e; /* x: solution; y, e: CHOLMOD's scratch */
+  double *h, *u, *z, *s, *w;    /* d nc, of (n, t ..): scratch, u, z; nc: s, w */
 } peer;
 
 static int column_of(int d, int k) {

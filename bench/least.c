@@ -118,13 +118,15 @@ static void judge_arch(int bodies, least_set *set) {
 int main(int argc, char **argv) {
   static least_set set[sets] = {
       {.name = "tables"}, {.name = "arches"}, {.name = "walls"}, {.name = "FCLIB"}};
-  FILE *page = bench_program(argc, argv, "--out DIR [FCLIB...]", "least", "The least reactions");
+  static const char usage[] = "[--out DIR] [FCLIB...]";
+  const char *fclib = bench_other(argc, argv, usage, 0);
+  FILE *page = bench_program(argc, argv, usage, "least", "The least reactions");
   for (int legs = 4; legs <= 32; legs++)
     judge_table(legs, &set[0]);
   for (int bodies = 6; bodies <= 60; bodies += 6)
     judge_arch(bodies, &set[1]);
   if (scenes_walls(0, least_scene, &set[2]) ||
-      scenes_files(argc > 3 ? argv[3] : "data/fclib", least_scene, &set[3]))
+      scenes_files(fclib ? fclib : "data/fclib", least_scene, &set[3]))
     return 1;
   bench_print(page,
               "\nProblems of up to 600 rows whose reactions are not determined, solved by auto at "

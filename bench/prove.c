@@ -76,14 +76,15 @@ int main(int argc, char **argv) {
   static prove_set set[sets] = {{.name = "random"},         {.name = "random, 50 to 500 contacts"},
                                 {.name = "FCLIB"},          {.name = "Jean's block"},
                                 {.name = "elastic blocks"}, {.name = "elastic cubes"}};
-  FILE *page =
-      bench_program(argc, argv, "--out DIR [FCLIB [FILES...]]", "proof", "Proofs of answers");
+  static const char usage[] = "[--out DIR] [FCLIB [FILES...]]";
+  const char *fclib = bench_other(argc, argv, usage, 0), *more = bench_other(argc, argv, usage, 1);
+  FILE *page = bench_program(argc, argv, usage, "proof", "Proofs of answers");
   for (int k = 0; k < randoms; k++)
     if (scenes_random(k, 0, 300, prove_scene, &set[0])) return 1;
   for (int k = 0; k < 36; k++)
     if (scenes_random(k, 50 + 450 * (k / 3) / 11, 0, prove_scene, &set[1])) return 1;
-  if (scenes_files(argc > 3 ? argv[3] : "data/fclib", prove_scene, &set[2]) ||
-      (argc > 4 && scenes_files(argv[4], prove_scene, &set[3])) ||
+  if (scenes_files(fclib ? fclib : "data/fclib", prove_scene, &set[2]) ||
+      (more && scenes_files(more, prove_scene, &set[3])) ||
       scenes_blocks(0, prove_scene, &set[4]) || scenes_cubes(0, prove_scene, &set[5]))
     return 1;
   bench_print(page,

@@ -37,11 +37,6 @@ typedef struct regret_how {
 /* Solves s to tol by auto, by each method and by the peer. Fills automatic to stages of *r. */
 void regret_solve(const scene *s, double tol, const regret_how *how, result *r);
 
-/* Writes the stages of a solve by auto: name, iterations, CPU in ms, residual. Returns its status.
- */
-dls_status regret_stages(const dls_contact *problem, double tol, double limit, char *text,
-                         size_t size);
-
 /* ---- the page (regret_report.c) -------------------------------------------------------------- */
 
 /* Prints tables: by band and tolerance, the worst, what auto does not solve, by kind. */

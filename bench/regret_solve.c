@@ -66,44 +66,6 @@ static void solve_by_peer(const scene *s, double tol, double limit, int all, res
   }
 }
 
-double regret_of(const result *r) {
-  if (isinf(r->best)) return isinf(r->automatic) ? NAN : 1 / beside_auto;
-  return (isinf(r->automatic) ? fmax(r->limit, r->best) : r->automatic) / r->best;
-}
-
-void regret_solve(const scene *s, double tol, const regret_how *how, result *r) {
-  const int d = s->contact.d, all = how->all;
-  r->limit = how->seconds * fmax(1, s->contact.nc / 500.);
-  r->method = r->peer_method = "";
-  r->best = r->peer = INFINITY;
-  outcome o = try_own(&automatic, s, tol, r->limit, how->info);
-  r->status = o.status;
-  r->automatic = outcome_seconds(&o, tol);
-  if (all) print_attempt("auto", "", &o, tol);
-  for (int k = 0; k < own_count; k++) {
-    const double least = fmin(beside_auto * r->automatic, r->best);
-    const double limit = all ? r->limit : fmin(r->limit, fmax(least_limit, least));
-    if (s->contact.nc > own[k].most[d - 2]) continue;
-    o = try_own(&own[k], s, tol, limit, how->info);
-    if (all) print_attempt(own[k].name, "", &o, tol);
-    const double cpu = outcome_seconds(&o, tol);
-    if (!(cpu < r->best)) continue;
-    r->best = cpu;
-    r->method = own[k].name;
-  }
-  if (isinf(r->automatic) && hopeless * r->best > r->limit && isfinite(r->best)) {
-    r->limit = hopeless * r->best;
-    o = try_own(&automatic, s, tol, r->limit, how->info);
-    r->automatic = outcome_seconds(&o, tol);
-  }
-  const double quickest = fmin(r->automatic, r->best);
-  if (!how->no_peer && isfinite(quickest) && !is_bonded(&s->contact))
-    solve_by_peer(s, tol, all ? r->limit : fmax(least_limit, beside_auto * quickest), all, r);
-  r->stages[0] = 0;
-  if (all || !(regret_of(r) < shown_from))
-    (void)regret_stages(&s->contact, tol, r->limit, r->stages, sizeof r->stages);
-}
-
 /* ---- stages ---------------------------------------------------------------------------------- */
 
 enum { most_parts = 60 };
@@ -141,20 +103,20 @@ static void append(char *text, size_t size, const char *more) {
   snprintf(text + used, size - used, "%s", more);
 }
 
-dls_status regret_stages(const dls_contact *problem, double tol, double limit, char *text,
-                         size_t size) {
+/* Writes the stages of a solve by auto: name, iterations, CPU in ms, residual. */
+static void regret_stages(const dls_contact *problem, double tol, double limit, char *text,
+                          size_t size) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   journal *j = calloc(1, sizeof *j);
   double *r = calloc(m, sizeof *r);
   dls_solver_settings settings;
-  dls_status status = DLS_E_MEMORY;
   char line[96];
   text[0] = 0;
   own_settings(&settings, &automatic, problem, tol);
   settings.limits.cpu_seconds = limit;
   settings.limits.progress = note_progress;
   settings.limits.progress_data = j;
-  if (j && r) status = dls_solve(problem, &settings, r, NULL, NULL, NULL);
+  if (j && r) (void)!dls_solve(problem, &settings, r, NULL, NULL, NULL);
   for (int k = 0; j && k < j->count; k++) {
     const struct part *at = &j->part[k];
     snprintf(line, sizeof line, "%s%s %d: %.3g ms, %.0e", k ? "; " : "", at->name, at->iterations,
@@ -163,5 +125,44 @@ dls_status regret_stages(const dls_contact *problem, double tol, double limit, c
   }
   free(j);
   free(r);
-  return status;
+}
+
+/* ---- one problem ----------------------------------------------------------------------------- */
+
+double regret_of(const result *r) {
+  if (isinf(r->best)) return isinf(r->automatic) ? NAN : 1 / beside_auto;
+  return (isinf(r->automatic) ? fmax(r->limit, r->best) : r->automatic) / r->best;
+}
+
+void regret_solve(const scene *s, double tol, const regret_how *how, result *r) {
+  const int d = s->contact.d, all = how->all;
+  r->limit = how->seconds * fmax(1, s->contact.nc / 500.);
+  r->method = r->peer_method = "";
+  r->best = r->peer = INFINITY;
+  outcome o = try_own(&automatic, s, tol, r->limit, how->info);
+  r->status = o.status;
+  r->automatic = outcome_seconds(&o, tol);
+  if (all) print_attempt("auto", "", &o, tol);
+  for (int k = 0; k < own_count; k++) {
+    const double least = fmin(beside_auto * r->automatic, r->best);
+    const double limit = all ? r->limit : fmin(r->limit, fmax(least_limit, least));
+    if (s->contact.nc > own[k].most[d - 2]) continue;
+    o = try_own(&own[k], s, tol, limit, how->info);
+    if (all) print_attempt(own[k].name, "", &o, tol);
+    const double cpu = outcome_seconds(&o, tol);
+    if (!(cpu < r->best)) continue;
+    r->best = cpu;
+    r->method = own[k].name;
+  }
+  if (isinf(r->automatic) && hopeless * r->best > r->limit && isfinite(r->best)) {
+    r->limit = hopeless * r->best;
+    o = try_own(&automatic, s, tol, r->limit, how->info);
+    r->automatic = outcome_seconds(&o, tol);
+  }
+  const double quickest = fmin(r->automatic, r->best);
+  if (!how->no_peer && isfinite(quickest) && !is_bonded(&s->contact))
+    solve_by_peer(s, tol, all ? r->limit : fmax(least_limit, beside_auto * quickest), all, r);
+  r->stages[0] = 0;
+  if (all || !(regret_of(r) < shown_from))
+    regret_stages(&s->contact, tol, r->limit, r->stages, sizeof r->stages);
 }

@@ -15,7 +15,7 @@ src/contact 3746
 src/linear 4143
 src/geometry 1194
 lcp 3448
-vi 9698
+vi 9694
 reduction 2255
 global 3637
 src/files 3719
@@ -33,7 +33,7 @@ src/mpi 3847
 src/python 2872
 src/fortran 579
 tests 65955
-bench 12664
+bench 12645
 examples 2799
 END
 [ "${bad:-0}" = 0 ] && echo "lines: $sum, no room over its budget"

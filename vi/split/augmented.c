@@ -293,8 +293,9 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
   return DLS_OK;
 }
 
-static dls_status augmented_run(dls_augmented *work, const dls_contact *problem, double *r,
-                                double *u, dls_info *info, dls_error *error) {
+static dls_status augmented_run(void *workspace, const dls_contact *problem, double *r, double *u,
+                                dls_info *info, dls_error *error) {
+  dls_augmented *work = workspace;
   const dls_augmented_settings *s = &work->settings;
   const int warm = work->stage || (s->limits.warm_start && work->method != DLS_PENALTY);
   dls_info outcome = {.method = work->method};
@@ -349,11 +350,6 @@ static dls_status penalty_create_by(void **out, int d, int nc, const dlsi_option
   return augmented_create(out, d, nc, &s, DLS_PENALTY, options, error);
 }
 
-static dls_status augmented_solve(void *workspace, const dls_contact *problem, double *r, double *u,
-                                  dls_info *info, dls_error *error) {
-  return augmented_run(workspace, problem, r, u, info, error);
-}
-
 static void augmented_destroy(void *work) {
   dls_augmented_destroy(work);
 }
@@ -375,7 +371,7 @@ const dlsi_method dlsi_augmented_method = {
     .name = "augmented-lagrangian",
     .summary = "proximal point method: where the others cycle or crawl",
     .create = augmented_create_by,
-    .solve = augmented_solve,
+    .solve = augmented_run,
     .destroy = augmented_destroy,
     .limits = offsetof(dls_augmented, settings.limits),
     .direction = dlsi_augmented_direction,
@@ -386,7 +382,7 @@ const dlsi_method dlsi_penalty_method = {
     .name = "penalty",
     .summary = "its first step with large penalties: to see its error",
     .create = penalty_create_by,
-    .solve = augmented_solve,
+    .solve = augmented_run,
     .destroy = augmented_destroy,
     .limits = offsetof(dls_augmented, settings.limits),
     .direction = dlsi_augmented_direction,
