@@ -424,6 +424,34 @@ TEST(proofs_are_printed) {
   ck_assert(prints("  ray: Lemke's method stopped without an answer. ") && prints("  ray:\n    "));
 }
 
+/* A rigid body, M = diag(4, 4, 1), on the ground: v = (3, -2, 0) becomes (3, 0, 0), r = 8, without
+ * friction. The file is solved as bodies; x comes from M, the file written holds r and u. */
+TEST(a_file_of_bodies) {
+  NEEDS_HDF5;
+  static const int diagonal[] = {0, 1, 2, 3}, p[] = {0, 1};
+  static const double M[] = {4, 4, 1}, one[] = {1}, f[] = {12, -8, 0}, g[2] = {0}, mu[] = {0};
+  const dls_model body = {.d = 2,
+                          .n = 3,
+                          .nodes = 1,
+                          .operator_kind = DLS_STIFFNESS_SPARSE,
+                          .factorization = DLS_LU,
+                          .Ks = {3, 3, diagonal, diagonal, M},
+                          .HN = {3, 1, p, diagonal + 1, one},
+                          .HT = {3, 1, p, diagonal, one}};
+  ck_assert_int_eq(dls_fclib_write_global(path_of("body.hdf5"), &body, f, g, mu, "a body", NULL,
+                                          NULL, NULL, NULL),
+                   DLS_OK);
+  ck_assert_int_eq(run("solve @/body.hdf5 --print --csv @/csv --out @/solved.hdf5"), 0);
+  ck_assert(prints("1 rigid body") && !prints("reduced from"));
+  ck_assert_str_eq(contents("csv/x.csv"), "unknown_from_0,x\n0,3\n1,0\n2,0\n");
+  dls_fclib *file;
+  const double *r, *u;
+  ck_assert_int_eq(dls_fclib_read(&file, path_of("solved.hdf5"), NULL), DLS_OK);
+  ck_assert_int_eq(dls_fclib_solution(file, &r, &u, NULL), DLS_OK);
+  ck_assert(r[0] == 8 && r[1] == 0 && u[0] == 0 && u[1] == 3);
+  dls_fclib_destroy(file);
+}
+
 TEST(scene_writes_its_files) {
   ck_assert_int_eq(run("scene jean-fig3 --method lemke --weighted --json --out @/a/b"), 0);
   ck_assert(prints("\"status\": \"solved\"") && prints("\"method\": \"lemke\""));

@@ -37,7 +37,7 @@ static int call_all_from_progress(void *data, const dls_progress *progress) {
 
 /* ---- linear complementarity ------------------------------------------------------------------ */
 
-/* Murty's matrix: the most pivots. Solution z = (0, .., 0, 1). */
+/* Murty's matrix: the most pivots. Solution z = (1, 0, .., 0). */
 static dls_lcp murty_lcp(void) {
   static double M[most * most], q[most];
   for (int j = 0; j < most; j++) {
@@ -48,62 +48,37 @@ static dls_lcp murty_lcp(void) {
   return (dls_lcp){.n = most, .M = {most, most, most, M}, .q = q};
 }
 
-static dls_status lemke_again(void *object, dls_error *error) {
-  const dls_lcp lcp = murty_lcp();
-  double z[most] = {7};
-  const dls_status status = dls_lemke_solve(object, &lcp, z, NULL, NULL, error);
-  ck_assert(z[0] == 7);
-  return status;
-}
-
-TEST(lemke) {
-  static own_call *const calls[] = {lemke_again, NULL};
-  own_calls own = {NULL, "workspace", calls, 0};
-  const dls_lcp lcp = murty_lcp();
-  dls_lemke_settings settings;
-  dls_lemke_settings_init(&settings);
-  settings.limits.progress = call_all_from_progress;
-  settings.limits.progress_data = &own;
-  dls_lemke *work;
-  double z[2][most];
-  ck_assert_int_eq(dls_lemke_create(&work, most, &settings, NULL), DLS_OK);
-  for (int k = 0; k < 2; k++) {
-    own.object = k ? work : NULL;
-    ck_assert_int_eq(dls_lemke_solve(work, &lcp, z[k], NULL, NULL, NULL), DLS_OK);
+/* The test of an LCP solver, with at least so many calls of the progress callback. */
+#define LCP_SOLVER(name, least)                                                                    \
+  static dls_status name##_again(void *object, dls_error *error) {                                 \
+    const dls_lcp lcp = murty_lcp();                                                               \
+    double z[most] = {7};                                                                          \
+    const dls_status status = dls_##name##_solve(object, &lcp, z, NULL, NULL, error);              \
+    ck_assert(z[0] == 7);                                                                          \
+    return status;                                                                                 \
+  }                                                                                                \
+  TEST(name) {                                                                                     \
+    static own_call *const calls[] = {name##_again, NULL};                                         \
+    own_calls own = {NULL, "workspace", calls, 0};                                                 \
+    const dls_lcp lcp = murty_lcp();                                                               \
+    dls_##name##_settings settings;                                                                \
+    dls_##name##_settings_init(&settings);                                                         \
+    settings.limits.progress = call_all_from_progress;                                             \
+    settings.limits.progress_data = &own;                                                          \
+    dls_##name *work;                                                                              \
+    double z[2][most];                                                                             \
+    ck_assert_int_eq(dls_##name##_create(&work, most, &settings, NULL), DLS_OK);                   \
+    for (int k = 0; k < 2; k++) {                                                                  \
+      own.object = k ? work : NULL;                                                                \
+      ck_assert_int_eq(dls_##name##_solve(work, &lcp, z[k], NULL, NULL, NULL), DLS_OK);            \
+    }                                                                                              \
+    ck_assert_int_ge(own.visits, least);                                                           \
+    ck_assert_mem_eq(z[0], z[1], sizeof z[0]);                                                     \
+    ck_assert(z[0][0] == 1 && z[0][most - 1] == 0);                                                \
+    dls_##name##_destroy(work);                                                                    \
   }
-  ck_assert_int_ge(own.visits, 2);
-  ck_assert_mem_eq(z[0], z[1], sizeof z[0]);
-  ck_assert(z[0][0] == 1 && z[0][most - 1] == 0);
-  dls_lemke_destroy(work);
-}
-
-static dls_status principal_again(void *object, dls_error *error) {
-  const dls_lcp lcp = murty_lcp();
-  double z[most] = {7};
-  const dls_status status = dls_principal_solve(object, &lcp, z, NULL, NULL, error);
-  ck_assert(z[0] == 7);
-  return status;
-}
-
-TEST(principal) {
-  static own_call *const calls[] = {principal_again, NULL};
-  own_calls own = {NULL, "workspace", calls, 0};
-  const dls_lcp lcp = murty_lcp();
-  dls_principal_settings settings;
-  dls_principal_settings_init(&settings);
-  settings.limits.progress = call_all_from_progress;
-  settings.limits.progress_data = &own;
-  dls_principal *work;
-  double z[2][most];
-  ck_assert_int_eq(dls_principal_create(&work, most, &settings, NULL), DLS_OK);
-  for (int k = 0; k < 2; k++) {
-    own.object = k ? work : NULL;
-    ck_assert_int_eq(dls_principal_solve(work, &lcp, z[k], NULL, NULL, NULL), DLS_OK);
-  }
-  ck_assert_int_ge(own.visits, 3);
-  ck_assert_mem_eq(z[0], z[1], sizeof z[0]);
-  dls_principal_destroy(work);
-}
+LCP_SOLVER(lemke, 2)
+LCP_SOLVER(principal, 3)
 
 /* ---- a point on springs above an obstacle -------------------------------------------------- */
 

@@ -119,21 +119,17 @@ dls_motion_energies moving_energies(const dls_motion *motion) {
   return energies;
 }
 
-void moving_assert_sound(const dls_motion *motion) {
-  const dls_motion_energies e = moving_energies(motion);
-  const long long step = moving_state(motion).steps;
-  ck_assert_msg(e.residual <= 1e-13 * e.scale, "step %lld: energy %g of %g", step, e.residual,
-                e.scale);
-  ck_assert_msg(e.momentum <= 1e-11, "step %lld: momentum %g", step, e.momentum);
-}
-
 dls_motion_state moving_step(dls_motion *motion, const double *f, const double *y,
                              const double *mu) {
   dls_error error = {0};
   dls_info info = {0};
   const dls_status status = dls_motion_step(motion, f, y, mu, &info, &error);
-  ck_assert_msg(status == DLS_OK, "step %lld: %s %s, residual %g", moving_state(motion).steps,
+  const dls_motion_state now = moving_state(motion);
+  const dls_motion_energies e = moving_energies(motion);
+  ck_assert_msg(status == DLS_OK, "step %lld: %s %s, residual %g", now.steps,
                 dls_status_text(status), error.message, info.certificate.residual);
-  moving_assert_sound(motion);
-  return moving_state(motion);
+  ck_assert_msg(e.residual <= 1e-13 * e.scale && e.momentum <= 1e-11,
+                "step %lld: energy %g of %g, momentum %g", now.steps, e.residual, e.scale,
+                e.momentum);
+  return now;
 }

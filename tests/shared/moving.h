@@ -48,10 +48,8 @@ dls_motion_settings moving_settings(dls_motion_law law, double h);
 dls_motion *moving_create(const dls_motion_model *model, const dls_motion_settings *settings,
                           const double *x, const double *v);
 
-/* The last step was sound: energy identity <= 1e-13 of its scale, momentum <= 1e-11. */
-void moving_assert_sound(const dls_motion *motion);
-
-/* A step that is certified and sound. Returns the state after it. */
+/* A step that is certified and sound: energy identity <= 1e-13 of its scale, momentum <= 1e-11.
+ * Returns the state after it. */
 dls_motion_state moving_step(dls_motion *motion, const double *f, const double *y,
                              const double *mu);
 
