@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "delassus/files.h"
+#include "files/formats.h"
 #include "run.h"
 
 static char path[64];
@@ -160,12 +161,15 @@ static void add_little(unsigned long value, int width) {
 static const int columns[] = {0, 1, 0, 1, 2, 1, 2}, starts[] = {0, 2, 5, 7};
 static const double values[] = {4, -1, -1, 4, -2, -2, 4};
 
+static void add_big_number(double value) {
+  unsigned long long bits;
+  memcpy(&bits, &value, 8);
+  add_big(bits, 8);
+}
+
 static void add_big_values(void) {
-  for (int k = 0; k < 7; k++) {
-    unsigned long long bits;
-    memcpy(&bits, &values[k], 8);
-    add_big(bits, 8);
-  }
+  for (int k = 0; k < 7; k++)
+    add_big_number(values[k]);
 }
 
 TEST(petsc) {
@@ -182,20 +186,42 @@ TEST(petsc) {
     add_big_values();
     is_robust("PETSc", bytes, size, 0);
   }
+  size = 0; /* dense, by rows */
+  add_big(1211216, 4);
+  add_big(3, 4);
+  add_big(3, 4);
+  add_big(0xffffffff, 4);
+  for (int k = 0; k < 9; k++)
+    add_big_number(wanted[k / 3][k % 3]);
+  is_robust("PETSc, dense", bytes, size, 0);
+}
+
+TEST(petsc_vectors) {
+  dlsi_table t = {0};
+  dls_sparse A;
+  dls_error error;
   size = 0;
   add_big(1211214, 4);
   add_big(7, 4);
   add_big_values();
   put_bytes(bytes, size);
-  dls_sparse A;
-  dls_error error;
   ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, &error), DLS_E_FORMAT);
   ck_assert_ptr_nonnull(strstr(error.message, "is a vector, no matrix"));
+  ck_assert_int_eq(dlsi_table_read(path, &t, &error), DLS_OK);
+  ck_assert(t.rows == 7 && t.cols == 1);
+  ck_assert_mem_eq(t.a, values, sizeof values);
+  free(t.a);
+  put_bytes(bytes, size - 1);
+  t.a = NULL;
+  ck_assert_int_eq(dlsi_table_read(path, &t, &error), DLS_E_FORMAT);
+  ck_assert_ptr_nonnull(strstr(error.message, "its size is not what its first numbers say"));
+  free(t.a);
 }
 
-/* A member of a zip file, not packed, and its entry in the directory. */
+/* A member of a zip file, and its entry in the directory. deflated: in one block that is stored. */
 static char entries[2000];
 static size_t entries_size;
+static int deflated;
 
 static unsigned long sum_of(const char *x, size_t count) {
   unsigned long sum = 0xffffffff;
@@ -216,19 +242,26 @@ static void add_member(const char *name, const char *type, const char *shape, co
   memset(member + 10, ' ', 118);
   memcpy(member + 10, dictionary, (size_t)length);
   memcpy(member + 128, data, count);
-  const size_t all = 128 + count, at = size;
+  const size_t all = 128 + count, at = size, packed = deflated ? all + 5 : all;
   add("PK\3\4\x14\0\0\0\0\0\0\0\0\0", 14);
+  bytes[size - 6] = deflated ? 8 : 0;
   add_little(sum_of(member, all), 4);
-  add_little(all, 4);
+  add_little(packed, 4);
   add_little(all, 4);
   add_little(strlen(name), 2);
   add_little(0, 2);
   add(name, strlen(name));
+  if (deflated) {
+    add_little(1, 1);
+    add_little(all, 2);
+    add_little(~all, 2);
+  }
   add(member, all);
   const size_t end = size; /* the entry is written behind, and moved */
   add("PK\1\2\x14\0\x14\0\0\0\0\0\0\0\0\0", 16);
+  bytes[size - 6] = deflated ? 8 : 0;
   add_little(sum_of(member, all), 4);
-  add_little(all, 4);
+  add_little(packed, 4);
   add_little(all, 4);
   add_little(strlen(name), 2);
   add("\0\0\0\0\0\0\0\0\0\0\0\0", 12);
@@ -267,6 +300,37 @@ TEST(npz) {
     if (dls_matrix_read(path, 0, &A, NULL, NULL, NULL) == DLS_OK) dls_mtx_free_sparse(&A);
     bytes[k] ^= 1;
   }
+}
+
+/* By coordinates, as scipy.sparse.save_npz writes it: packed, numbers of other types. */
+TEST_EACH(npz_of_coordinates, 0, 3) {
+  static const long long shape[] = {3, 3};
+  static const unsigned char rows[] = {0, 0, 1, 1, 1, 2, 2};
+  long long cols[7];
+  float x[7];
+  for (int k = 0; k < 7; k++) {
+    cols[k] = columns[k];
+    x[k] = (float)values[k];
+  }
+  if (_i > 0) cols[4] = _i == 1 ? 3 : -1;
+  size = entries_size = 0;
+  deflated = 1;
+  add_member("row.npy", "|u1", "7,", rows, sizeof rows);
+  add_member("col.npy", "<i8", "7,", cols, sizeof cols);
+  add_member("format.npy", "|S3", "", "coo", 3);
+  add_member("shape.npy", "<i8", "2,", shape, sizeof shape);
+  add_member("data.npy", "<f4", "7,", x, sizeof x);
+  add_directory(5);
+  deflated = 0;
+  if (_i == 0) {
+    is_robust("coo", bytes, size, 0);
+    return;
+  }
+  dls_sparse A;
+  dls_error error;
+  put_bytes(bytes, size);
+  ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, &error), DLS_E_FORMAT);
+  ck_assert_ptr_nonnull(strstr(error.message, "has an index that is out of range"));
 }
 
 /* What is known and not read says what to do. */
