@@ -64,6 +64,11 @@ static const struct {
      HB_HEAD "RUA                        3             3             7             0\n" HB_FORMATS
              " 1 3 6 8\n 1 2 1 2 3 2 3\n  4. -1. -1.  4. -2. -2.  4.\n",
      0, 0},
+    {"Harwell-Boeing, numbers at the left of their fields",
+     HB_HEAD "RSA                        3             3             5             0\n"
+             "(4I3)           (5I2)           (8F4.1)             \n"
+             "1  3  5  6  \n1 2 2 3 3 \n 4.0-1.0 4.0-2.0 4.0\n",
+     0, 1},
     {"table", "4, -1, 0\n-1, 4, -2\n0, -2, 4\n", 0, 0},
     {"Matrix Market",
      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 4\n2 1 -1\n2 2 4\n3 2 -2\n3 3 "
@@ -303,7 +308,7 @@ TEST(npz) {
 }
 
 /* By coordinates, as scipy.sparse.save_npz writes it: packed, numbers of other types. */
-TEST_EACH(npz_of_coordinates, 0, 3) {
+TEST_EACH(npz_of_coordinates, 0, 4) {
   static const long long shape[] = {3, 3};
   static const unsigned char rows[] = {0, 0, 1, 1, 1, 2, 2};
   long long cols[7];
@@ -315,7 +320,7 @@ TEST_EACH(npz_of_coordinates, 0, 3) {
   if (_i > 0) cols[4] = _i == 1 ? 3 : -1;
   size = entries_size = 0;
   deflated = 1;
-  add_member("row.npy", "|u1", "7,", rows, sizeof rows);
+  add_member("row.npy", "|u1", _i == 3 ? "6," : "7,", rows, _i == 3 ? 6 : 7);
   add_member("col.npy", "<i8", "7,", cols, sizeof cols);
   add_member("format.npy", "|S3", "", "coo", 3);
   add_member("shape.npy", "<i8", "2,", shape, sizeof shape);
@@ -330,7 +335,8 @@ TEST_EACH(npz_of_coordinates, 0, 3) {
   dls_error error;
   put_bytes(bytes, size);
   ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, &error), DLS_E_FORMAT);
-  ck_assert_ptr_nonnull(strstr(error.message, "has an index that is out of range"));
+  ck_assert_ptr_nonnull(strstr(error.message, _i == 3 ? "its arrays have sizes that do not fit"
+                                                      : "has an index that is out of range"));
 }
 
 /* What is known and not read says what to do. */
@@ -372,6 +378,20 @@ TEST(wrong_lines) {
        "several variables of Octave"},
       {"# Sparse Matrix (Morse)\n3 3 0 9\n1 1 4\n", "holds 1 entries, not 9"},
       {"1 inf\n2 3\n", "entry (1, 2) is not finite"},
+      {"# Sparse Matrix (Morse)\n3 3 0 1\n9 1 4\n", "an index is beyond 3 x 3"},
+      {"# Sparse Matrix (Morse)\n9000000 9000000 0 1\n1 1 4\n", "has too few entries for its size"},
+      {HB_HEAD
+       "CSA                        3             3             5             0\n" HB_FORMATS,
+       "line 3: only real, assembled matrices"},
+      {HB_HEAD
+       "RSA                        3             4             5             0\n" HB_FORMATS,
+       "has sizes that cannot be"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 5 3 6\n 1 2 2 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "a pointer is out of order"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 6\n 1 2 2 9 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "a row is out of range"},
   };
   for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
     dls_sparse A;
