@@ -99,7 +99,7 @@ static layout lay_out(const map_picture *p) {
   const int many = p->panels > 1;
   for (int j = 0; j < p->columns && !many; j++)
     if (strlen(p->column[j]) > widest) widest = strlen(p->column[j]);
-  layout l = {.cell_w = many ? 46 : fmax(88, 10 + 7.4 * (double)widest),
+  layout l = {.cell_w = many ? 46 : fmax(88, 10 + 8.4 * (double)widest),
               .cell_h = many           ? 26
                         : p->rows > 24 ? 22
                                        : 31};
