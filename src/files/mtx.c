@@ -13,6 +13,7 @@
  * Comments (%) and blank lines may be anywhere, lines may end in CR LF. Entries of the same place
  * add up. Numbers are read and written with a decimal point in every locale of the host.
  */
+#define _XOPEN_SOURCE 700
 #include <ctype.h>
 #include <limits.h>
 #include <math.h>
@@ -291,15 +292,21 @@ static dls_status read_triplets(scanner *s, const layout *form, dlsi_triplets *t
   return status ? status : read_entries(s, form, &(target){.t = t});
 }
 
+/* Reads the place of an entry of CalculiX's matrix, from 1, and goes to its value. */
+static void read_place(scanner *s, int *row, int *col) {
+  require(s, to_int(s, row) && *row >= 1, "is no row of CalculiX's matrix");
+  scan(s);
+  require(s, to_int(s, col) && *col >= *row, "is no column on or above the diagonal");
+  scan(s);
+}
+
 /* Counts the entries of CalculiX's matrix; its size is the largest column. Goes back to its
  * start. */
 static void count_calculix(scanner *s, layout *form) {
+  const off_t start = ftello(s->file); /* behind a byte order mark */
   for (scan(s); s->length && !s->status; scan(s)) {
     int row = 0, col = 0;
-    require(s, to_int(s, &row) && row >= 1, "is no row of CalculiX's matrix");
-    scan(s);
-    require(s, to_int(s, &col) && col >= row, "is no column on or above the diagonal");
-    scan(s);
+    read_place(s, &row, &col);
     if (col > form->cols) form->cols = col;
     require(s, ++form->entries < INT_MAX, "there are too many entries");
   }
@@ -307,7 +314,7 @@ static void count_calculix(scanner *s, layout *form) {
   if (form->cols > free_lines && form->entries < form->cols)
     blame(s, DLS_E_SIZE, "there are too few entries for a matrix of this size");
   form->rows = form->cols;
-  rewind(s->file);
+  if (fseeko(s->file, start, SEEK_SET)) blame(s, DLS_E_FILE, "cannot be read twice");
   *s = (scanner){.file = s->file, .next = 1, .status = s->status, .error = s->error};
 }
 
@@ -322,10 +329,8 @@ static dls_status read_calculix(scanner *s, dlsi_triplets *t) {
     int row = 0, col = 0;
     double x = 0;
     scan(s);
-    (void)to_int(s, &row);
-    scan(s);
-    (void)to_int(s, &col);
-    scan(s);
+    read_place(s, &row, &col);
+    require(s, col <= form.cols, "has changed meanwhile");
     require_number(s, 1, &x);
     if (!s->status) put_value(&form, &(target){.t = t}, row - 1, col - 1, x);
   }

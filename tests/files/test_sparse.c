@@ -89,11 +89,17 @@ TEST(full_array) {
 }
 
 TEST(of_calculix) {
-  dls_sparse A;
-  put("1 1  3.0000000000000e+00\n1 2 -1.0e+00\n2 2 2\n3 3 5\n");
-  ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, NULL), DLS_OK);
-  is_matrix(&A, 3, 3, 5, (const double[]){3, -1, 0, -1, 2, 0, 0, 0, 5});
-  dls_mtx_free_sparse(&A);
+  static const char *const marks[] = {"", "\xef\xbb\xbf"}; /* of the order of bytes */
+  for (int k = 0; k < 2; k++) {
+    dls_sparse A;
+    char text[80];
+    (void)snprintf(text, sizeof text, "%s%s", marks[k],
+                   "1 1  3.0000000000000e+00\n1 2 -1.0e+00\n2 2 2\n3 3 5\n");
+    put(text);
+    ck_assert_int_eq(dls_matrix_read(path, 0, &A, NULL, NULL, NULL), DLS_OK);
+    is_matrix(&A, 3, 3, 5, (const double[]){3, -1, 0, -1, 2, 0, 0, 0, 5});
+    dls_mtx_free_sparse(&A);
+  }
 }
 
 /* A dense matrix of more than 2^23 values has an entry for each row, or is refused. */
