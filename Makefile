@@ -539,7 +539,7 @@ check-faults: $(BUILD)/tests/torment/faults
 	@OPENBLAS_NUM_THREADS=1 $< --most=16
 
 .PHONY: fuzz check-fuzz
-FUZZ_TARGETS = fclib sets mtx text calculix program tables plans lcp contact reduction motion doors calls
+FUZZ_TARGETS = fclib sets mtx text calculix program tables numpy plans lcp contact reduction motion doors calls
 FUZZ_SECONDS ?= 60
 # under the sanitizers; a target of libFuzzer is told by the program's name
 FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'

@@ -61,6 +61,7 @@ const fuzz_target fuzz_targets[] = {
      {"torment/numbers.npy", "torment/numbers.txt", "torment/array.mtx", "torment/coordinate.mtx"},
      1,
      1},
+    {"numpy", fuzz_numpy, {"torment/numbers.npy"}, 0, 1},
     {NULL, NULL, {NULL}, 0, 0}};
 
 /* ---- what targets share ---------------------------------------------------------------------- */

@@ -74,6 +74,7 @@ void fuzz_doors(const unsigned char *data, size_t size);
 void fuzz_calls(const unsigned char *data, size_t size);
 void fuzz_plans(const unsigned char *data, size_t size);
 void fuzz_tables(const unsigned char *data, size_t size);
+void fuzz_numpy(const unsigned char *data, size_t size);
 void fuzz_program(const unsigned char *data, size_t size);
 
 #endif

@@ -223,3 +223,11 @@ void fuzz_tables(const unsigned char *data, size_t size) {
   }
   sparse_free(&A);
 }
+
+/* The same of a file that begins as .npy does. */
+void fuzz_numpy(const unsigned char *data, size_t size) {
+  static const char magic[] = "\x93NUMPY";
+  unsigned char *file = fuzz_exact(data, size);
+  memcpy(file, magic, size < sizeof magic - 1 ? size : sizeof magic - 1);
+  fuzz_tables(file, size);
+}
