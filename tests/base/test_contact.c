@@ -1,5 +1,10 @@
 /* test_contact.c: statuses, views, the contact problem, its blocks and its certificate. */
+#define _POSIX_C_SOURCE 200809L /* pthread_barrier */
 #include "contact/contact.h"
+
+#include <math.h>
+#include <pthread.h>
+
 #include "delassus.h"
 #include "run.h"
 
@@ -1158,4 +1163,98 @@ TEST(frictionless_adhesion_is_refused) {
   const double r[] = {1, 0};
   ck_assert_int_eq(dls_contact_states(&p, r, none, &state, NULL), DLS_OK);
   ck_assert_int_eq(state, DLS_STICK);
+}
+
+/* ---- contacts on two ranks, here two threads ------------------------------------------------- */
+
+enum { rank_nc = 12, rank_first = 5, rank_m = 3 * rank_nc };
+
+typedef struct half {
+  dlsi_laws of;
+  dlsi_ranks ranks;
+  dls_certificate c;
+  int rank;
+} half;
+
+static pthread_barrier_t both;
+static double brought[2][32];
+
+static void join_halves(void *data, dlsi_how how, double *x, size_t count) {
+  const half *h = data;
+  memcpy(brought[h->rank], x, count * sizeof *x);
+  (void)pthread_barrier_wait(&both);
+  for (size_t k = 0; k < count; k++) {
+    const double a = brought[0][k], b = brought[1][k];
+    x[k] = how == DLSI_SUM ? a + b : how == DLSI_NORM ? hypot(a, b) : a > b || a != a ? a : b;
+  }
+  (void)pthread_barrier_wait(&both);
+}
+
+static void *measure_half(void *data) {
+  half *h = data;
+  dlsi_laws_measure(&h->of, &h->c);
+  return NULL;
+}
+
+/* Five contacts on one rank and seven on the other have the certificate of all twelve, both the
+ * same bits; so, too, where squares overflow, and where the worst contact is there twice. */
+TEST_EACH(certificate_of_two_ranks, 0, 9) {
+  const int d = 1 + _i % 3, m = d * rank_nc;
+  const double unit = _i / 3 == 1 ? 1e170 : 1;
+  double mu[rank_nc], w[2 * rank_nc], r[rank_m], u[rank_m], a[rank_m], q[rank_m], F[rank_m];
+  for (int k = 0; k < m; k++) {
+    r[k] = sin(k + 1) + (k % d == 0);
+    u[k] = unit * sin(3 * k + _i);
+    a[k] = unit * (1 + fabs(sin(5 * k)));
+    q[k] = unit * sin(7 * k);
+  }
+  for (int c = 0; c < rank_nc; c++) {
+    mu[c] = d == 1 ? 0 : 0.1 * (c % 4);
+    w[2 * c] = unit * (1 + 0.1 * c);
+    w[2 * c + 1] = unit * (1 + 0.2 * c);
+  }
+  const dlsi_laws all = {
+      .d = d, .nc = rank_nc, .mu = mu, .r = r, .u = u, .w = w, .a = a, .b = q, .scale = q, .F = F};
+  dls_certificate c;
+  dlsi_laws_measure(&all, &c);
+  if (_i / 3 == 2) { /* on either rank */
+    const int from = c.worst, to = from < rank_first ? rank_nc - 1 : 0;
+    for (int i = 0; i < d; i++) {
+      r[d * to + i] = r[d * from + i];
+      u[d * to + i] = u[d * from + i];
+    }
+    mu[to] = mu[from];
+    w[2 * to] = w[2 * from];
+    w[2 * to + 1] = w[2 * from + 1];
+    dlsi_laws_measure(&all, &c);
+    ck_assert_int_eq(c.worst, from < to ? from : to);
+  }
+  half h[2];
+  pthread_t other;
+  ck_assert_int_eq(pthread_barrier_init(&both, NULL, 2), 0);
+  for (int k = 0; k < 2; k++) {
+    const int first = k ? rank_first : 0, at = d * first;
+    h[k] = (half){.of = all, .ranks = {&h[k], join_halves, .first = first}, .rank = k};
+    h[k].of.nc = k ? rank_nc - rank_first : rank_first;
+    h[k].of.mu = mu + first;
+    h[k].of.w = w + 2 * first;
+    h[k].of.r = r + at, h[k].of.u = u + at, h[k].of.a = a + at, h[k].of.F = F + at;
+    h[k].of.b = h[k].of.scale = q + at;
+    h[k].of.ranks = &h[k].ranks;
+  }
+  ck_assert_int_eq(pthread_create(&other, NULL, measure_half, &h[1]), 0);
+  (void)measure_half(&h[0]);
+  ck_assert_int_eq(pthread_join(other, NULL), 0);
+  (void)pthread_barrier_destroy(&both);
+  const dls_certificate *b = &h[0].c;
+  ck_assert_mem_eq(b, &h[1].c, sizeof *b);
+  ck_assert_int_eq(b->worst, c.worst);
+  const double one[] = {c.residual_u,     c.residual_r,     c.floor_u,
+                        c.floor_r,        c.penetration,    c.adhesion,
+                        c.cone_violation, c.slip_direction, c.complementarity};
+  const double two[] = {b->residual_u,     b->residual_r,     b->floor_u,
+                        b->floor_r,        b->penetration,    b->adhesion,
+                        b->cone_violation, b->slip_direction, b->complementarity};
+  for (size_t k = 0; k < sizeof one / sizeof *one; k++)
+    ck_assert_msg(fabs(two[k] - one[k]) <= 1e-14 * one[k], "%zu: %g, not %g", k, two[k], one[k]);
 }

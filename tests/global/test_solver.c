@@ -1,5 +1,6 @@
 /* test_solver.c: the contact problem on K with the host's solver for K + H R H^T. */
 #include "delassus/global.h"
+#include "global/global_internal.h"
 #include "run.h"
 #include "solids.h"
 
@@ -194,6 +195,97 @@ TEST_EACH(agrees_with_the_factor, 0, 3) {
     solids_stack(&S, 2, 2, 3, 0.5); /* bodies that contact alone holds */
   (void)solids_model(&S);
   expect_equal(&S, 0.3);
+  solids_free(&S);
+}
+
+/* ---- K elsewhere, as src/mpi has it ---------------------------------------------------------- */
+
+static void multiply_elsewhere(void *data, const double *x, double *y, double *a) {
+  dlsi_body_multiply(data, x, y, a);
+}
+
+static void join_nobody(void *data, dlsi_how how, double *x, size_t count) {
+  (void)data, (void)how, (void)x, (void)count;
+}
+static void fetch_nothing(void *data, double *r) {
+  (void)data, (void)r;
+}
+static void give_nothing(void *data, dlsi_how how, double *u) {
+  (void)data, (void)how, (void)u;
+}
+
+/* Makes the problem of G with K elsewhere. ranks: NULL, or one that is alone. */
+static dls_global *elsewhere(const dls_global *G, host *h, const dlsi_ranks *ranks) {
+  static const dls_sparse nowhere = {0};
+  const dls_global_solver solver = {.data = h, .prepare = prepare, .solve = gradients};
+  dls_model model = *h->model;
+  dlsi_body body = {.multiply = multiply_elsewhere,
+                    .data = (void *)(uintptr_t)h->model,
+                    .ranks = ranks,
+                    .n = model.n,
+                    .d = model.d,
+                    .nc = model.nodes,
+                    .w = G->w,
+                    .part = G->part,
+                    .parts = G->body.parts};
+  dls_global *out;
+  dls_error e = {0};
+  model.Ks = nowhere;
+  ck_assert_msg(!dlsi_global_create_on(&out, &model, &body, &solver, &e), "%s", e.message);
+  return out;
+}
+
+/* The same answer as where K is here; so one rank alone. */
+TEST_EACH(a_K_that_is_elsewhere, 0, 2) {
+  solids S;
+  solids_pad(&S, 24, 4);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes, m = model->d * nc;
+  double *r = calloc((size_t)(3 * m + nc), sizeof *r), *s = r + m, *scratch = s + m;
+  double *mu = scratch + m, *x = calloc((size_t)(2 * n), sizeof *x), *y = x + n;
+  const dlsi_ranks alone = {NULL, join_nobody, fetch_nothing, give_nothing,
+                            0,    (size_t)m,   (size_t)m,     scratch};
+  const dls_limits limits = {.tol = 1e-9};
+  dls_global *G;
+  dls_info info;
+  host h = host_of(model);
+  for (int c = 0; c < nc; c++)
+    mu[c] = 0.3;
+  ck_assert_int_eq(dls_global_create(&G, model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, mu, &limits, r, x, &info, NULL), DLS_OK);
+  dls_global *there = elsewhere(G, &h, _i ? &alone : NULL);
+  ck_assert_int_eq(dls_global_solve(there, S.f, S.g, mu, &limits, s, y, &info, NULL), DLS_OK);
+  ck_assert(dls_certificate_holds(&info.certificate, 1e-9));
+  ck_assert_msg(apart(s, r, m) < 1e-6 && apart(y, x, n) < 1e-6, "%g %g", apart(s, r, m),
+                apart(y, x, n));
+  ck_assert_int_eq(h.wrong, 0);
+  dls_global_destroy(there);
+  dls_global_destroy(G);
+  free(h.R);
+  free(r);
+  free(x);
+  solids_free(&S);
+}
+
+/* Every allocation of a problem whose K is elsewhere fails in turn. */
+TEST(a_K_elsewhere_without_memory) {
+  solids S;
+  solids_pad(&S, 6, 2);
+  const dls_model *model = solids_model(&S);
+  host h = host_of(model);
+  dls_global *G, *there = NULL;
+  dls_error error;
+  ck_assert_int_eq(dls_global_create(&G, model, NULL), DLS_OK);
+  dlsi_body body = G->body;
+  const dls_global_solver solver = {.data = &h, .prepare = prepare, .solve = gradients};
+  body.multiply = multiply_elsewhere;
+  body.data = (void *)(uintptr_t)model;
+  body.model = NULL;
+  MALLOCS_FAIL(dlsi_global_create_on(&there, model, &body, &solver, &error), there == NULL, DLS_OK,
+               3);
+  dls_global_destroy(there);
+  dls_global_destroy(G);
+  free(h.R);
   solids_free(&S);
 }
 
