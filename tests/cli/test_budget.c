@@ -16,6 +16,7 @@ static double sign = 1;    /* of the errors */
 static double offset;      /* relative, of the limit of graded meshes */
 static double wiggle;      /* relative, to and fro from level to level: there is no order */
 static int most_nx;        /* finer meshes fail */
+static int fails_late;     /* 1: when all that they may take is gone */
 static double exact = NAN; /* the scene's closed form */
 
 double cpu_seconds(void) {
@@ -74,6 +75,7 @@ dls_status scene_run(const scene *s, const setting *at, double limit, scene_answ
   out->value = 3 * (1 + sign * true_error(at)) * (at->grade > 0 ? 1 + offset : 1);
   out->value += 3 * wiggle * cos(acos(-1) * fine);
   if (fails) out->value = NAN;
+  if (fails && fails_late) out->seconds = limit;
   now += out->seconds;
   return DLS_OK;
 }
@@ -84,7 +86,7 @@ double answer_distance(const scene_answer *a, const scene_answer *b, quantity_of
 }
 
 static void plain_scene(void) {
-  sign = 1, offset = wiggle = 0, most_nx = INT_MAX, exact = NAN;
+  sign = 1, offset = wiggle = 0, most_nx = INT_MAX, fails_late = 0, exact = NAN;
 }
 
 /* A budget that has run: of a scene with two meshes and no steps, or one mesh and steps, which may
@@ -201,10 +203,20 @@ TEST(fine_meshes_fail) {
   most_nx = 2 * own_nx;
   const budget *b = run_budget(SCENE_FORMING, 0, .001, 1e6);
   ck_assert(!b->met);
-  ck_assert_int_eq(b->mesh.high, 3);
-  ck_assert_int_eq(ladder_probe(b, &b->mesh, 3), -1);
+  ck_assert_int_eq(b->mesh.high, 2);
   ck_assert_int_eq(b->probe[b->take].at.nx, most_nx);
   ck_assert_int_eq(b->check, -1);
+}
+
+/* A mesh that never ends costs its ladder twice what was foreseen, not all that is left. */
+TEST(a_mesh_that_never_ends) {
+  most_nx = 2 * own_nx;
+  fails_late = 1;
+  const budget *b = run_budget(SCENE_AT_ONCE, 0, .001, 200);
+  ck_assert_int_eq(b->mesh.high, 2);
+  ck_assert_int_eq(b->second.high, 2);
+  ck_assert(spent(b, "mesh") < .275 * 200 && spent(b, "graded mesh") < .275 * 200);
+  ck_assert(isfinite(b->error) && fabs(b->reference / 3 - 1) <= b->doubt[OF_FORCE]);
 }
 
 int main(void) {
