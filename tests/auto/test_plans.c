@@ -488,3 +488,32 @@ TEST(in_words) {
   dls_explain(&info, text, sizeof text);
   ck_assert(strncmp(text, "nlgs alone", 10) == 0);
 }
+
+/* What an info holds, and its word. */
+TEST(explains_each_field) {
+  char text[4000];
+  dls_info info = {.method = DLS_AUTO};
+  dls_explain(&info, text, sizeof text);
+  ck_assert(strncmp(text, "no plan was needed", 18) == 0);
+  info.stages = 1;
+  info.stage[0] = (dls_stage){.step = DLS_STEP_ON_K,
+                              .reason = DLS_REASON_COSTLIER,
+                              .ahead = INFINITY,
+                              .next = 7,
+                              .on_copy = 1};
+  dls_explain(&info, text, sizeof text);
+  ck_assert(strncmp(text, "the problem on K itself", 23) == 0 && strstr(text, ", on a copy"));
+  ck_assert_ptr_nonnull(strstr(text, "(no end expected, the next step costs 7 sweeps)"));
+  info.regime = DLS_REGIME_PACKING;
+  info.blocks = -1;
+  info.candidates = 30;
+  info.left_out = 2;
+  info.at_rest = 1;
+  dls_explain(&info, text, sizeof text);
+  ck_assert_ptr_nonnull(strstr(text, "(W of bodies, 30 candidates): many bodies"));
+  ck_assert_ptr_nonnull(strstr(text, "\nat rest ("));
+  ck_assert_ptr_nonnull(strstr(text, "\n2 of 30 candidates provably cannot touch"));
+  info.blocks = 56;
+  dls_explain(&info, text, sizeof text);
+  ck_assert_ptr_nonnull(strstr(text, "W by blocks, 2.0 for each candidate"));
+}

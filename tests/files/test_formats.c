@@ -307,6 +307,115 @@ TEST(npz) {
   }
 }
 
+/* Heads of .npy files; version and bytes of data; rows, cols 0: refused. */
+static const struct {
+  int version;
+  const char *head;
+  size_t data;
+  int rows, cols;
+} npy_heads[] = {
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", 24, 3, 1},
+    {2, "{'descr': '<f8', 'fortran_order': True, 'shape': (1, 3), }", 24, 1, 3},
+    {3, "{'descr': '|b1', 'fortran_order': False, 'shape': (2, 1), }", 2, 2, 1},
+    {1, "{'descr': '<i2', 'fortran_order': False, 'shape': (), }", 2, 1, 1},
+    {4, "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", 24, 0, 0},
+    {1, "{'descr': '>f8', 'fortran_order': False, 'shape': (3,), }", 24, 0, 0},
+    {1, "{'descr': '<f2', 'fortran_order': False, 'shape': (3,), }", 6, 0, 0},
+    {1, "{'descr': '<f16', 'fortran_order': False, 'shape': (3,), }", 48, 0, 0},
+    {1, "{'descr': '<i16', 'fortran_order': False, 'shape': (1,), }", 16, 0, 0},
+    {1, "{'descr': '<c8', 'fortran_order': False, 'shape': (3,), }", 24, 0, 0},
+    {1, "{'descr': '<fx', 'fortran_order': False, 'shape': (3,), }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 3), }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (n,), }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (3,", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'shape': (3,), }", 24, 0, 0},
+    {1, "{'fortran_order': False, 'shape': (3,), }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (0, 3), }", 0, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 0), }", 0, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }", 24, 0, 0},
+    {1, "{'descr': '<f8', 'fortran_order': False, 'shape': (2147483647, 2147483647), }", 24, 0, 0},
+};
+
+TEST_EACH(npy_heads_of_any_kind, 0, (int)(sizeof npy_heads / sizeof *npy_heads)) {
+  const size_t length = strlen(npy_heads[_i].head);
+  static const char zeros[64];
+  dlsi_table t;
+  size = 0;
+  add("\x93NUMPY", 6);
+  add_little((unsigned long)npy_heads[_i].version, 2);
+  add_little(length, npy_heads[_i].version == 1 ? 2 : 4);
+  add(npy_heads[_i].head, length);
+  add(zeros, npy_heads[_i].data);
+  put_bytes(bytes, size);
+  const dls_status status = dlsi_table_read(path, &t, NULL);
+  ck_assert_int_eq(status, npy_heads[_i].cols ? DLS_OK : DLS_E_FORMAT);
+  ck_assert(status || (t.rows == npy_heads[_i].rows && t.cols == npy_heads[_i].cols));
+  free(t.a);
+}
+
+/* A member in place of one of the matrix, or none of that name; what the error says. */
+static const struct {
+  const char *member, *type, *shape, *data;
+  size_t bytes;
+  const char *says;
+} wrong_members[] = {
+    {"format.npy", "|S3", "", "bsr", 3, "a sparse matrix of another kind"},
+    {"format.npy", "<U3", "", "c\0\0\0s\0\0\0r\0\0\0", 12, NULL},
+    {"format.npy", "|S2", "", "cs", 2, "a sparse matrix of another kind"},
+    {"format.npy", "", "", NULL, 0, "no matrix of scipy.sparse.save_npz"},
+    {"indptr.npy", "", "", NULL, 0, "a sparse matrix of another kind"},
+    {"shape.npy", "|u1", "3,", "\3\3\3", 3, "sizes that do not fit"},
+    {"shape.npy", "|u1", "2,", "\0\3", 2, "sizes that do not fit"},
+    {"shape.npy", "|u1", "2,", "\3\2", 2, "out of range"},
+    {"shape.npy", "|u1", "2,", "\2\3", 2, "out of range"},
+    {"indptr.npy", "|u1", "4,", "\1\2\5\7", 4, "out of range"},
+    {"indptr.npy", "|u1", "4,", "\0\5\2\7", 4, "out of range"},
+    {"indptr.npy", "|u1", "4,", "\0\x9\5\7", 4, "out of range"},
+    {"indptr.npy", "|u1", "4,", "\0\2\5\6", 4, "out of range"},
+    {"indices.npy", "|u1", "6,", "\0\1\0\1\2\1", 6, "sizes that do not fit"},
+    {"indices.npy", "<c8", "1,", "\0\1\0\1\2\1\0\0", 8, "no array of real numbers"},
+};
+
+TEST_EACH(npz_with_a_wrong_member, 0, (int)(sizeof wrong_members / sizeof *wrong_members)) {
+  static const long long shape[] = {3, 3};
+  const struct {
+    const char *name, *type, *shape;
+    const void *data;
+    size_t bytes;
+  } right[] = {{"indices.npy", "<i4", "7,", columns, sizeof columns},
+               {"indptr.npy", "<i4", "4,", starts, sizeof starts},
+               {"format.npy", "|S3", "", "csr", 3},
+               {"shape.npy", "<i8", "2,", shape, sizeof shape},
+               {"data.npy", "<f8", "7,", values, sizeof values}};
+  int count = 0;
+  size = entries_size = 0;
+  for (int k = 0; k < 5; k++) {
+    const int wrong = strcmp(right[k].name, wrong_members[_i].member) == 0;
+    if (wrong && !wrong_members[_i].data) continue;
+    if (wrong)
+      add_member(right[k].name, wrong_members[_i].type, wrong_members[_i].shape,
+                 wrong_members[_i].data, wrong_members[_i].bytes);
+    else
+      add_member(right[k].name, right[k].type, right[k].shape, right[k].data, right[k].bytes);
+    count++;
+  }
+  add_directory(count);
+  put_bytes(bytes, size);
+  dls_sparse A;
+  dls_error error;
+  const dls_status status = dls_matrix_read(path, 0, &A, NULL, NULL, &error);
+  if (wrong_members[_i].says) {
+    ck_assert_int_lt(status, 0);
+    ck_assert_msg(strstr(error.message, wrong_members[_i].says), "%s", error.message);
+    return;
+  }
+  ck_assert_int_eq(status, DLS_OK);
+  is_the_matrix("unicode", &A);
+  dls_mtx_free_sparse(&A);
+}
+
 /* By coordinates, as scipy.sparse.save_npz writes it: packed, numbers of other types. */
 TEST_EACH(npz_of_coordinates, 0, 4) {
   static const long long shape[] = {3, 3};

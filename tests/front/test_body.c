@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "delassus.h"
+#include "front/front.h"
 #include "made.h"
 #include "run.h"
 #include "solids.h"
@@ -246,6 +247,9 @@ TEST(W_or_K) {
       dls_contact problem;
       dls_reduction *reduction = either(model, k ? DLS_ON_K : DLS_ON_W, 0);
       ck_assert_int_eq(place_of(reduction), k ? DLS_ON_K : DLS_ON_W);
+      int better = -1; /* the same choice, of a reduction that is on K */
+      if (k) ck_assert_int_eq(dlsi_body_foresee(reduction, &better, NULL), DLS_OK);
+      if (k) ck_assert_int_eq(better, thin);
       r[k] = calloc(m, sizeof *r[k]);
       x[k] = calloc(n, sizeof *x[k]);
       dls_solver_settings tight = settings_with(DLS_AUTO, 1e-11);

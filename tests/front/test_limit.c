@@ -387,6 +387,11 @@ TEST(arch_close_to_its_limit) {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
+static int cancel_at_once(void *data, const dls_progress *now) {
+  (void)data, (void)now;
+  return 1;
+}
+
 TEST(arguments) {
   body b = {.d = 2, .n = 3, .nc = 2, .mu = {0.4, 0.4}, .f0 = {0, -1}, .f1 = {1}};
   touch(&b, 0, 0, -0.5, -0.1, 0, 1, 1);
@@ -422,6 +427,10 @@ TEST(arguments) {
   s.most = 2;
   ck_assert_int_eq(LIMIT(b.f0, b.f1, b.mu, NULL, &s, b.r), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(limit.solves, 2);
+  dls_limit_settings_init(&s);
+  s.limits.progress = cancel_at_once;
+  ck_assert_int_eq(LIMIT(b.f0, b.f1, b.mu, NULL, &s, b.r), DLS_CANCELLED);
+  ck_assert_int_le(limit.solves, 2);
   dls_reduction_destroy(reduction);
 }
 

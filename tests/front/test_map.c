@@ -325,6 +325,50 @@ static int factorisations_of_path(int turns, int told) {
   return made;
 }
 
+/* Of a packing two contacts in three are lifted after the first solve: sweeps with momentum over
+ * those that act, of a solve that knows them again, find the answer of a cold one. */
+TEST_EACH(sweeps_over_what_acts, 0, 2) {
+  rigid a;
+  ck_assert_int_eq(rigid_create(&a, "packing-rest", 700, 0.3, 5), 0);
+  dls_contact p = _i ? a.factored : a.contact;
+  const int nc = p.nc, m = 3 * nc;
+  double *r = calloc((size_t)(3 * m), sizeof *r), *s = r + m, *lifted = s + m, size = 0, off = 0;
+  int *from = calloc((size_t)nc, sizeof *from);
+  dls_info info;
+  dls_solver_settings settings = settings_with(DLS_NLGS, 1e-8);
+  settings.acceleration = DLS_ACCELERATION_MOMENTUM;
+  settings.limits.blocks = _i ? 0 : p.Wb.p[nc];
+  settings.limits.warm_start = 1;
+  settings.limits.max_iterations = 20000;
+  dls_solver *warm = solver_of(3, nc, &settings), *cold = solver_of(3, nc, &settings);
+  ck_assert_int_ge(nc, 500);
+  ck_assert_int_ge(dls_solver_solve(warm, &p, r, NULL, NULL, NULL), 0);
+  for (int c = 0; c < nc; c++) {
+    from[c] = c;
+    lifted[3 * c] = p.q[3 * c] + (c % 3 ? 10 : 0);
+    lifted[3 * c + 1] = p.q[3 * c + 1];
+    lifted[3 * c + 2] = p.q[3 * c + 2];
+  }
+  p.q = lifted;
+  ck_assert_int_eq(dls_solver_map(warm, nc, from, r, NULL), DLS_OK);
+  for (int c = 0; c < nc; c++)
+    for (int k = 0; k < 3 && c % 3; k++)
+      r[3 * c + k] = 0;
+  ck_assert_int_eq(dls_solver_solve(warm, &p, r, NULL, &info, NULL), DLS_OK);
+  ck_assert(dls_certificate_holds(&info.certificate, 1e-8));
+  ck_assert_int_eq(dls_solver_solve(cold, &p, s, NULL, &info, NULL), DLS_OK);
+  for (int k = 0; k < m; k++) {
+    off = fmax(off, fabs(r[k] - s[k]));
+    size = fmax(size, fabs(s[k]));
+  }
+  ck_assert_msg(off <= 1e-5 * size, "%g of %g", off, size);
+  dls_solver_destroy(warm);
+  dls_solver_destroy(cold);
+  free(from);
+  free(r);
+  rigid_free(&a);
+}
+
 /* Where only open contacts come and go, Newton's factors stay, which without a map are lost. Where
  * contacts change their places, they are lost, and no answer is wrong. */
 TEST(factors_stay) {

@@ -289,6 +289,42 @@ TEST(a_K_elsewhere_without_memory) {
   solids_free(&S);
 }
 
+/* A block that its weight presses on the ground has no motion that proves anything; one that is
+ * pulled up has, without a solve. */
+TEST_EACH(a_proof_alone, 0, 2) {
+  solids S;
+  solids_stack(&S, 2, 1, 3, 0);
+  const dls_model *model = solids_model(&S);
+  double *mu = calloc((size_t)model->nodes, sizeof *mu);
+  int proved = -1;
+  dls_global *G;
+  ck_assert_int_eq(dls_global_create(&G, model, NULL), DLS_OK);
+  for (int k = 0; k < model->n && _i; k++)
+    S.f[k] = -S.f[k];
+  ck_assert_int_eq(dlsi_global_prove_for(G, S.f, mu, &proved, NULL), DLS_OK);
+  ck_assert_int_eq(proved, _i);
+  ck_assert_int_eq(dls_global_motion(G, NULL) != NULL, _i);
+  dls_global_destroy(G);
+  free(mu);
+  solids_free(&S);
+}
+
+/* Entries of one place that are finite, and whose sum is not. */
+TEST(entries_that_add_up_to_infinity) {
+  solids S;
+  solids_pad(&S, 4, 2);
+  dls_model model = *solids_model(&S);
+  double *x = calloc((size_t)model.Ks.p[model.n], sizeof *x);
+  dls_global *G;
+  for (int k = 0; k < model.Ks.p[model.n]; k++)
+    x[k] = 1e308;
+  model.Ks.x = x;
+  REFUSES(NOT_FINITE, "Ks", 2, dls_global_create, &G,
+          &model); /* of the first node of two squares */
+  free(x);
+  solids_free(&S);
+}
+
 /* Newton steps by the host's preconditioner, exact or rough, end where the factor ends, in the same
  * steps in other units; where it is no preconditioner, or a motion is free, the splitting does. */
 TEST_EACH(newton_by_the_host, 0, 15) {
