@@ -40,8 +40,8 @@ static const char style[] =
     "  border-bottom: 1px solid var(--line) }\n"
     "th { font-weight: 600 } th:first-child, td:first-child, .word { text-align: left }\n"
     ".word { padding-left: .7rem }\n"
-    "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; overflow-x: auto;\n"
-    "  font-size: .85rem }\n"
+    "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; font-size: .85rem;\n"
+    "  white-space: pre-wrap; overflow-wrap: anywhere }\n"
     "figure { margin: .8rem 0 } figcaption { font-size: .9rem; opacity: .85 }\n"
     "svg { display: block; width: 100%; height: auto }\n"
     "@media (max-width: 600px) { table { font-size: .78rem }\n"
@@ -51,7 +51,7 @@ static const char style[] =
     "  svg { filter: none; min-width: 0 !important } html { font-size: 11px }\n"
     "  body { font-size: 1rem; max-width: none }\n"
     "  figure, table, pre { break-inside: avoid } h2 { break-after: avoid }\n"
-    "  .wide { overflow: visible } pre { white-space: pre-wrap }\n}\n"
+    "  .wide { overflow: visible }\n}\n"
     "</style>\n</head>\n<body>\n";
 
 int page_open(page *p, const char *directory, const char *name, const char *title, int text) {
@@ -74,8 +74,8 @@ static void write_words(const page *p, const char *text) {
   const quoted q = quote(AS_HTML, text);
   for (const char *at = q.text; *at;) {
     const int length = (int)strcspn(at, " ");
-    const char *power = strstr(at, "e-");
-    const int whole = power && power < at + length && power > at;
+    const int digits = (int)strspn(at, "+-.0123456789"); /* of 1e-03, not of three-solutions */
+    const int whole = digits > 0 && digits < length && !strncmp(at + digits, "e-", 2);
     fprintf(p->html, whole ? "<span>%.*s</span>" : "%.*s", length, at);
     at += length;
     if (*at) fputc(*at++, p->html);
