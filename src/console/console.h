@@ -374,8 +374,8 @@ void print_json_verdict(FILE *out, const verdict *v, int proof);
 /* Returns the CPU seconds of this process. */
 double cpu_seconds(void);
 
-/* Returns seconds to two digits, without powers of ten: "0.13 ms", "4.1 s", "350 s", "23 min", "4 h",
- * for use within one expression. */
+/* Returns seconds to two digits, without powers of ten: "0.13 ms", "4.1 s", "350 s", "23 min",
+ * "4 h", for use within one expression. */
 typedef struct duration {
   char text[24];
 } duration;

@@ -94,6 +94,7 @@ static int make_part(parts *a, const char *what, const char *options, int (*run)
     begin_line(&a->line, a, what, options);
   if (run_line(&a->line, a, what, run, path, why) != EXIT_BAD_INPUT) return 1;
   page_say(a->page, PAGE_NOTE, "No %s: %.600s", what, *why ? why : "it failed");
+  a->commands -= strcmp(what, "scene") != 0; /* it does not work alone, either */
   return 0;
 }
 
