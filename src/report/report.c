@@ -98,7 +98,7 @@ static void print_budget(const budget *b) {
            b->of >> of & 1 ? "true" : "false");
     print_json_number(stdout, budget_within(b, b->take, of));
     fputs(", \"reference_error\": ", stdout);
-    print_json_number(stdout, b->doubt[of]);
+    print_json_number(stdout, of == OF_DRIFT ? (double)NAN : b->doubt[of]);
     putchar('}');
   }
 }

@@ -266,7 +266,8 @@ void part_run(parts *a, const scene_answer *got) {
   static const char *const captions[3][2] = {
       {"The deformed mesh and its reactions", "Reactions along the contact line"},
       {"Force against travel",
-       "Pressure over the surface and the travel; none has the colour of the page"},
+       "Pressure and shear at the end; pressure over the travel, where none has the colour of the "
+       "page"},
       {"State and pressure over surface and time; none has the colour of the page",
        "Gap and force beside the closed form"}};
   for (int k = 0; k < 2; k++)
