@@ -325,6 +325,7 @@ $(call obj,$(TEST_SRC)): CFLAGS_ALL += -O1
 # a test of the program runs the program of this tree
 $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/cli/test_*.c)): | $(PROGRAM)
 $(BUILD)/tests/cli/test_budget: $(call obj,src/report/report_budget.c)
+$(BUILD)/tests/cli/test_words: $(call obj,src/console/messages.c src/console/quote.c)
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 

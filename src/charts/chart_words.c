@@ -48,7 +48,7 @@ void chart_reference(const chart *c, char *text, size_t size) {
 void chart_cell(const chart *c, int k, int rung, char *text, size_t size) {
   const trial *t = race_trial(&c->race, k, rung);
   if (t->end == ENDED_SOLVED)
-    (void)snprintf(text, size, "%.3g ms (%.2g)", 1e3 * t->seconds,
+    (void)snprintf(text, size, "%s (%.2g)", in_words(t->seconds).text,
                    t->seconds / race_fastest(&c->race, rung));
   else
     (void)snprintf(text, size, "%s", ending_word(t->end));

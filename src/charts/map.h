@@ -12,7 +12,7 @@ enum { MAP_ROWS = 80, MAP_COLUMNS = 16, MAP_LINES = 8, MAP_NAME = 96 };
 typedef struct map_cell {
   char colour[8];
   int hatched; /* 1: not decided */
-  char text[20];
+  char text[40];
 } map_cell;
 
 /* A line across the rows, between two of them: at row 2.5, say. */

@@ -43,7 +43,6 @@ static void compare_walks(walk *row, int columns) {
  * verdict and the part of the way. */
 static void show_walk(map_cell *cell, const walk *w) {
   const ending e = ending_of(w->got.status);
-  const double seconds = w->got.seconds;
   map_verdict(cell, e, w->off / dark_off);
   if (e != ENDED_SOLVED) {
     (void)snprintf(cell->text, sizeof cell->text, "%s %.0f %%", ending_word(e),
@@ -53,8 +52,7 @@ static void show_walk(map_cell *cell, const walk *w) {
   char off[12] = "finest";
   if (!w->is_finest)
     (void)snprintf(off, sizeof off, w->off < 0.0995 ? "%.1g %%" : "%.0f %%", 100 * w->off);
-  (void)snprintf(cell->text, sizeof cell->text, seconds < 99.5 ? "%.2g s, %s" : "%.0f s, %s",
-                 seconds, off);
+  (void)snprintf(cell->text, sizeof cell->text, "%s, %s", in_words(w->got.seconds).text, off);
 }
 
 /* Returns the setting of column j, a number of steps or a mesh, and names the column. */

@@ -172,9 +172,10 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
                          const double *r, const double *u) {
   const dls_certificate *c = &o->info.certificate;
   problem_print(path, p);
-  printf("  %s: %s, %d %s, residual %.2e, %.3g s of CPU\n", dls_method_name(o->info.method),
+  printf("  %s: %s, %d %s, residual %.2e, %s of CPU\n", dls_method_name(o->info.method),
          dls_status_text(o->info.status), o->info.iterations,
-         iteration_word(o->info.method, o->info.iterations), c->residual, o->solve_cpu_seconds);
+         iteration_word(o->info.method, o->info.iterations), c->residual,
+         in_words(o->solve_cpu_seconds).text);
   print_residuals("  ", c);
   print_others(&o->info);
   if (explain)
@@ -484,8 +485,9 @@ static void print_lcp_json(int n, const lcp_run *run, const verdict *v, int proo
 static void print_lcp(const char *path, int n, const lcp_run *run) {
   const dls_lcp_certificate *c = &run->certificate;
   printf("%s: LCP of %d unknown%s\n", quote(AS_SHOWN, path).text, n, plural(n));
-  printf("  %s: %s, %s, residual %.2e (floor %.1e), %.3g s of CPU\n", lcp_method(run),
-         dls_status_text(run->status), run->words, c->residual, c->floor, run->cpu_seconds);
+  printf("  %s: %s, %s, residual %.2e (floor %.1e), %s of CPU\n", lcp_method(run),
+         dls_status_text(run->status), run->words, c->residual, c->floor,
+         in_words(run->cpu_seconds).text);
   printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n", c->negative_z, c->negative_y,
          c->complementarity);
 }

@@ -216,8 +216,8 @@ quoted quote(text_kind kind, const char *text);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Does the same; returns 0, which as (taken) is OPTION_WRONG. */
-int refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* Does the same; is 0, which as (taken) is OPTION_WRONG. */
+#define refuse(...) (complain(__VA_ARGS__) != EXIT_BAD_INPUT)
 
 /* Runs a command within another one: argv ends with NULL and has --quiet. It prints nothing.
  * Returns its exit status; `why` (PATH_ROOM): what it complained of, "" for nothing. */
@@ -374,6 +374,13 @@ void print_json_verdict(FILE *out, const verdict *v, int proof);
 /* Returns the CPU seconds of this process. */
 double cpu_seconds(void);
 
+/* Returns seconds to two digits, without powers of ten: "0.13 ms", "4.1 s", "350 s", "23 min",
+ * "4 h", for use within one expression. */
+typedef struct duration {
+  char text[24];
+} duration;
+duration in_words(double seconds);
+
 /* Shows progress: a callback that prints a line on stderr if that is a terminal and the work is
  * long, or with --verbose each call as a line, and cancels on Ctrl-C, SIGTERM, SIGHUP and SIGXCPU,
  * which watch_interrupt has to catch first. progress_end clears the line. */
@@ -386,7 +393,7 @@ void end_at_once(int on);
 void progress_end(void);
 /* Shows a task of many runs instead: its name (borrowed), its part, the share done of `whole` CPU
  * seconds and what is left; without a terminal as lines, each 5 seconds. name = NULL: no more. */
-void progress_task(const char *name, double whole);
+void progress_task(const char *name, double whole, double reached);
 void progress_part(const char *part);
 /* The same of a reduction, which calls every millisecond: silent with --verbose. */
 int show_reduction(void *data, const dls_progress *progress);

@@ -15,29 +15,17 @@
 static int loudness, json; /* -1 quiet, 1 verbose; 1: --json */
 static char *complaint;    /* of a command within another one (run_command), or NULL */
 
-static void complain_with(const char *format, va_list args) {
+int complain(const char *format, ...) {
   char text[QUOTED_ROOM];
+  va_list args;
+  va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
+  va_end(args);
   if (complaint)
     (void)snprintf(complaint, PATH_ROOM, "%s", text);
   else
     fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
-}
-
-int complain(const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  complain_with(format, args);
-  va_end(args);
   return EXIT_BAD_INPUT;
-}
-
-int refuse(const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  complain_with(format, args);
-  va_end(args);
-  return 0;
 }
 
 int complain_of(const char *what, const dls_error *error) {
@@ -507,13 +495,25 @@ int was_interrupted(void) {
 static struct {
   const char *name, *part; /* NULL: none */
   double start, whole;     /* CPU seconds */
+  double reached;          /* the share done at the start */
 } task;
 
-void progress_task(const char *name, double whole) {
+duration in_words(double seconds) {
+  static const double unit[] = {1e-3, 1, 60, 3600};
+  static const char *const names[] = {"ms", "s", "min", "h"};
+  const int k = (seconds >= 0.0995) + (seconds >= 999.5) + (seconds >= 5970);
+  const double count = seconds / unit[k];
+  duration d;
+  (void)snprintf(d.text, sizeof d.text, count < 99.5 ? "%.2g %s" : "%.0f %s", count, names[k]);
+  return d;
+}
+
+void progress_task(const char *name, double whole, double reached) {
   task.name = name && !is_quiet() && !is_verbose() ? name : NULL;
   task.part = "";
   task.start = cpu_seconds();
   task.whole = whole;
+  task.reached = reached;
 }
 
 void progress_part(const char *part) {
@@ -542,16 +542,16 @@ int show_progress(void *data, const dls_progress *p) {
   if (is_verbose()) {
     fprintf(stderr, "%s: %d", p->last ? p->method : p->stage, p->iteration);
     if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
-    if (p->cpu_seconds > 0) fprintf(stderr, ", %.3g s of CPU", p->cpu_seconds);
+    if (p->cpu_seconds > 0) fprintf(stderr, ", %s of CPU", in_words(p->cpu_seconds).text);
     if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
     fputs(p->last ? ", end\n" : "\n", stderr);
     return 0;
   }
   if ((!task.name && (p->last || is_quiet())) || !progress_due()) return 0;
   if (task.name) {
-    const double done = fmin(1, (cpu_seconds() - task.start) / task.whole);
-    fprintf(stderr, "%s: %s, %.0f %% done, at most %.0f s of CPU left", task.name, task.part,
-            100 * done, (1 - done) * task.whole);
+    const double done = fmin(1, task.reached + (cpu_seconds() - task.start) / task.whole);
+    fprintf(stderr, "%s: %s, %.0f %% done, at most %s of CPU left", task.name, task.part,
+            100 * done, in_words(ceil((1 - done) * task.whole)).text);
   } else {
     fprintf(stderr, "%s: %d", p->stage, p->iteration);
     if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);

@@ -49,8 +49,8 @@ static const jean_case cases[] = {
     {"jean-fig3", "Jean (1988) Fig. 3: elastic block pressed and pushed on a rigid plane, mu = 1",
      1, 5e8, 9e8, 25e8},
     {"jean-fig4",
-     "Jean (1988) Fig. 4: the same block, mu = 0.1: all candidates of the paper's mesh slide", 0.1,
-     5e8, 5e8, 5e8},
+     "Jean (1988) Fig. 4: the block of Fig. 3, mu = 0.1: on the paper's mesh all slide", 0.1, 5e8,
+     5e8, 5e8},
 };
 enum { case_count = sizeof cases / sizeof cases[0] };
 

@@ -64,7 +64,9 @@ static void say_forecast(words *to, const dls_stage *s) {
 /* all: CPU seconds of all stages, 0: not measured. */
 static void say_stage(words *to, int number, const dls_stage *s, double all) {
   say(to, "%3d %-20s %6d iterations", number, dls_step_name(s->step), s->iterations);
-  if (all > 0) say(to, ", %9.3g s of CPU, %3.0f %%", s->cpu_seconds, 100 * s->cpu_seconds / all);
+  if (all > 0)
+    say(to, s->cpu_seconds < 999.5 ? ", %9.3g s of CPU, %3.0f %%" : ", %9.0f s of CPU, %3.0f %%",
+        s->cpu_seconds, 100 * s->cpu_seconds / all);
   say(to, ", residual %.1e%s: %s", s->residual, s->on_copy ? ", on a copy" : "",
       dls_reason_text(s->reason));
   say_forecast(to, s);

@@ -40,8 +40,8 @@ int matrices_given(const matrix_options *o) {
 
 void source_usage(FILE *out) {
   fputs(
-      "      --step=N          of a scene in steps, the contact problem of step N (the last with\n"
-      "                        the most contacts that touch)\n\n"
+      "      --step=N          of a scene in steps, the contact problem of step N (the last step\n"
+      "                        where as many contacts touch as in any)\n\n"
       "Matrices of a host code, K x = f + H r, u = H^T x + g (the guide, 'Files', lists the\n"
       "formats: Matrix Market, .npy, .npz, text, Abaqus, CalculiX, Harwell-Boeing, PETSc, ...).\n"
       "Units are yours: r has that of f, gaps, u and x that of K^-1 f.\n"

@@ -218,9 +218,9 @@ static void print_moving_head(const dls_moving_data *d) {
 static void print_contact_cost(const dls_moving_data *d) {
   if (d->cold_iterations == 0) return;
   printf("contact problems: %lld iterations in all; the last one of each step from r = 0: %lld, "
-         "%.2g %% of the %.2g s of CPU of the steps\n",
+         "%.2g %% of the %s of CPU of the steps\n",
          d->iterations, d->cold_iterations, 100 * d->contact_seconds / d->step_seconds,
-         d->step_seconds);
+         in_words(d->step_seconds).text);
 }
 
 static void print_moving_summary(const dls_moving_data *d, const moving_worst *worst,
@@ -265,6 +265,8 @@ static void print_moving_json(const dls_moving_data *d, const moving_worst *wors
   print_json_field(stdout, "created", e->created);
   print_json_field(stdout, "balance_energy", worst->residual);
   print_json_field(stdout, "balance_momentum", worst->momentum);
+  if (d->dynamic) print_json_field(stdout, "impulse_normal", d->impulse[0]);
+  if (d->dynamic) print_json_field(stdout, "impulse_tangential", d->impulse[1]);
   if (d->has_exact) print_json_field(stdout, "gap_error", d->gap_error);
   puts("\n}");
 }

@@ -158,10 +158,9 @@ static dls_status take_step(const char *name, const source *from, problem *p, wa
     return DLS_E_ARGUMENT;
   }
   (void)snprintf(p->name, sizeof p->name, "%s, step %d", name, k.step);
-  (void)snprintf(p->note, sizeof p->note, "the contact problem of step %d of %d%s, %d contact%s",
-                 k.step, k.steps,
-                 k.wanted ? "" : ", the last with the most contacts that touch (--step=N)",
-                 k.touching, k.touching == 1 ? " touches" : "s touch");
+  (void)snprintf(p->note, sizeof p->note, "the contact problem of step %d of %d, %d contact%s%s",
+                 k.step, k.steps, k.touching, k.touching == 1 ? " touches" : "s touch",
+                 k.wanted ? "" : ", the last step with so many; --step=N takes another one");
   return p->model.n ? problem_condense(p, from, error) : DLS_OK;
 }
 

@@ -206,8 +206,8 @@ void problem_print(const char *path, const problem *p) {
     printf("  of %d rigid bod%s\n", p->contact.bodies.count,
            p->contact.bodies.count == 1 ? "y" : "ies");
   if (p->reduction && !p->of_bodies)
-    printf("  %s %d unknown%s in %.3g s of CPU\n", p->on_K == 1 ? "on K, of" : "reduced from",
-           p->model.n, plural(p->model.n), p->reduction_cpu_seconds);
+    printf("  %s %d unknown%s in %s of CPU\n", p->on_K == 1 ? "on K, of" : "reduced from",
+           p->model.n, plural(p->model.n), in_words(p->reduction_cpu_seconds).text);
 }
 
 void print_reduction(FILE *out, const problem *p) {
@@ -218,9 +218,9 @@ void print_reduction(FILE *out, const problem *p) {
             plural(p->model.n), info.contacts, plural(info.contacts));
     return;
   }
-  fprintf(out, "reduction: %d unknown%s, %d condensed, %.3g flops, at most %.3g MB, %.3g s of CPU",
+  fprintf(out, "reduction: %d unknown%s, %d condensed, %.3g flops, at most %.3g MB, %s of CPU",
           p->model.n, plural(p->model.n), info.condensed, info.flops, info.bytes * 1e-6,
-          p->reduction_cpu_seconds);
+          in_words(p->reduction_cpu_seconds).text);
   if (info.condition > 0) fprintf(out, ", condition of K about %.1e", info.condition);
   if (info.indefinite) fputs(", K is indefinite", out);
   fputc('\n', out);

@@ -371,12 +371,12 @@ static void print_admissible(const run *a) {
 static void print_run(const run *a, const scene_options *o) {
   const outcome *out = &a->outcome;
   const dls_certificate *c = &out->info.certificate;
-  printf("%s, %s reactions, %s: %s, %d %s, residual %.1e, %.2g s of CPU\n", o->name,
+  printf("%s, %s reactions, %s: %s, %d %s, residual %.1e, %s of CPU\n", o->name,
          o->weighted ? "weighted" : "concentrated", method_word(out),
          o->as_printed && out->info.status == DLS_STALLED ? "stopped by the paper's rule"
                                                           : dls_status_text(out->info.status),
          out->info.iterations, iteration_word(out->info.method, out->info.iterations), c->residual,
-         out->solve_cpu_seconds);
+         in_words(out->solve_cpu_seconds).text);
   if (a->data.f_first)
     printf("first step, %s alone: %s, %d %s, residual %.1e\n",
            o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(a->first.status),

@@ -412,7 +412,7 @@ const char *setting_variant(const scene *s, int k, setting *at) {
 }
 
 const char *setting_text(const scene *s, const setting *at, int options, char text[SETTING_ROOM]) {
-  char mesh[60] = "", grade[40] = "", upper[40] = "", steps[40] = "", more[80] = "";
+  char mesh[60] = "", grade[40] = "", upper[40] = "", steps[40] = "", more[80] = "", mu[40] = "";
   if (at->nx && at->ny)
     (void)snprintf(mesh, sizeof mesh, options ? "--mesh=%dx%d " : "%d x %d, ", at->nx, at->ny);
   else if (at->nx)
@@ -426,8 +426,11 @@ const char *setting_text(const scene *s, const setting *at, int options, char te
   if (options && at->mass != s->own.mass)
     (void)snprintf(more, sizeof more, " --mass=%s",
                    at->mass == DLS_FE_LUMPED ? "lumped" : "consistent");
-  (void)snprintf(text, SETTING_ROOM, "%s%s%s%s%s%.0e%s%s%s", mesh, grade, upper, steps,
+  else if (options && at->penalty > 0)
+    (void)snprintf(more, sizeof more, " --method=penalty --penalty=%g", at->penalty);
+  if (options && at->mu >= 0) (void)snprintf(mu, sizeof mu, " --mu=%g", at->mu);
+  (void)snprintf(text, SETTING_ROOM, "%s%s%s%s%s%.0e%s%s%s%s", mesh, grade, upper, steps,
                  options ? "--tol=" : "tol ", at->tol, options && at->weighted ? " --weighted" : "",
-                 options && at->clamped ? " --clamped" : "", more);
+                 options && at->clamped ? " --clamped" : "", more, mu);
   return text;
 }

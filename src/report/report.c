@@ -89,17 +89,16 @@ static void print_budget(const budget *b) {
   const probe *take = &b->probe[b->take];
   printf(", \"options\": ");
   print_json_string(stdout, setting_text(b->scene, &take->at, 1, options));
-  printf(", \"cpu_seconds\": %.6g, \"answer\": ", take->got.seconds);
-  print_json_number(stdout, take->got.value);
-  fputs(", \"reference\": ", stdout);
-  print_json_number(stdout, b->reference);
+  printf(", \"cpu_seconds\": %.6g", take->got.seconds);
+  print_json_field(stdout, "answer", take->got.value);
+  print_json_field(stdout, "reference", b->reference);
   for (quantity_of of = OF_FORCE; of < OF_COUNT; of++) {
     if (!(b->scene->has >> of & 1)) continue;
     printf(", \"%s\": {\"asked\": %s, \"error\": ", quantity_names[of],
            b->of >> of & 1 ? "true" : "false");
     print_json_number(stdout, budget_within(b, b->take, of));
     fputs(", \"reference_error\": ", stdout);
-    print_json_number(stdout, b->doubt[of]);
+    print_json_number(stdout, of == OF_DRIFT ? (double)NAN : b->doubt[of]);
     putchar('}');
   }
 }
@@ -149,10 +148,13 @@ static int begin_page(report *a, const char *directory) {
   return 1;
 }
 
-/* Adds the sections of other commands. */
-static void add_parts(report *a) {
+/* Adds the sections of other commands. of: the problem that all methods solve. */
+static void add_parts(report *a, const char *of) {
+  const double cpu = a->options->cpu;
+  progress_task(a->shown, cpu, a->options->quick ? quick_share : budget_share);
   if (a->options->quick) return;
-  part_speed(&a->parts, a->options->from.step);
+  part_speed(&a->parts, a->options->from.step, of);
+  progress_task(a->shown, cpu, budget_share + part_share);
   page_say(&a->page, PAGE_SECTION, "Stability");
   part_stability(&a->parts);
 }
@@ -177,15 +179,14 @@ static int end_page(report *a, const char *directory, int met, int solved) {
 /* The rest of the first screen. p: the contact problem, of one step where there are several. */
 static void first_screen(report *a, const budget *b, const problem *p) {
   const probe *take = &b->probe[b->take];
+  const int reduces = !take->got.status && take->got.reduction > 0;
   char options[SETTING_ROOM];
   budget_accuracy(b, &a->page);
-  if (take->got.status)
-    page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, up to there.", take->got.seconds);
-  else if (take->got.reduction > 0)
-    page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, %.2g s of these to reduce K to W.",
-             take->got.seconds, take->got.reduction);
-  else
-    page_say(&a->page, PAGE_PLAIN, "Speed: %.2g s of CPU, all steps.", take->got.seconds);
+  page_say(&a->page, PAGE_PLAIN, "Speed: %s of CPU, %s%s.", in_words(take->got.seconds).text,
+           reduces ? in_words(take->got.reduction).text : "",
+           take->got.status ? "up to there"
+           : reduces        ? " of these to reduce K to W"
+                            : "all steps");
   if (take->got.status)
     page_say(&a->page, PAGE_PLAIN, "Stability: it stops after %.0f %% of the steps.",
              100 * take->got.part);
@@ -214,8 +215,7 @@ static void add_scene(report *a, const budget *b, const problem *p) {
   if (budget_picture(b, a->folder))
     (void)page_picture(&a->page, a->folder, "budget.svg",
                        "Error left by each part of the setting, against CPU");
-  if (*p->note) page_say(&a->page, PAGE_NOTE, "The methods: %s.", p->note);
-  add_parts(a);
+  add_parts(a, *p->note ? p->note : "the contact problem of the scene as it is");
   part_run(&a->parts, &b->probe[b->take].got);
   if (!a->options->data) part_trim(&a->parts);
 }
@@ -279,7 +279,6 @@ static void add_surface(report *a, const file_budget *b, const problem *p) {
 /* Adds the budget and the rest of the page. */
 static int add_contact(report *a, const problem *p, const char *directory) {
   const dls_contact *contact = &p->contact;
-  const double seconds = p->reduction_cpu_seconds; /* 0: none */
   char options[40];
   const report_options *o = a->options;
   file_budget *b = calloc(1, sizeof *b); /* 35 kB, and the solves take 50 kB of the stack */
@@ -295,9 +294,9 @@ static int add_contact(report *a, const problem *p, const char *directory) {
     file_verdict(b, a->verdict, sizeof a->verdict);
     a->rungs = b;
     if (begin_page(a, directory)) {
-      if (seconds > 0)
-        page_say(&a->page, PAGE_PLAIN, "Speed: %.2g ms of CPU besides, to reduce K to W.",
-                 1e3 * seconds);
+      if (p->reduction_cpu_seconds > 0)
+        page_say(&a->page, PAGE_PLAIN, "Speed: %s of CPU besides, to reduce K to W.",
+                 in_words(p->reduction_cpu_seconds).text);
       if (b->best >= 0)
         page_say(&a->page, PAGE_PLAIN, "Stability: auto solves it to %.0e.", b->tol[b->best]);
       part_uniqueness(&a->parts, contact);
@@ -309,7 +308,7 @@ static int add_contact(report *a, const problem *p, const char *directory) {
       page_say(&a->page, PAGE_SECTION, "Error budget");
       file_tables(b, &a->page);
       if (!o->quick) page_say(&a->page, PAGE_SECTION, "Speed against accuracy");
-      add_parts(a);
+      add_parts(a, "the file's problem");
       page_say(&a->page, PAGE_SECTION, "Contacts");
       file_contacts(b, &a->page);
       add_surface(a, b, p);
@@ -364,14 +363,14 @@ static int report_name(const char *name, int number, const report_options *o,
   a->parts.name = name;
   a->parts.folder = a->folder;
   a->parts.cpu = part_share * o->cpu;
-  progress_task(a->shown, o->cpu);
+  progress_task(a->shown, o->cpu, 0);
   if (join_path(a->folder, directory, a->slug)) {
     if (matrices_given(&o->from.matrices) || !scene_find(name, &s, &status, &error))
       result = report_contact(a, directory);
     else
       result = status ? complain_of(name, &error) : report_scene(a, &s, directory);
   }
-  progress_task(NULL, 0);
+  progress_task(NULL, 0, 0);
   progress_end();
   free(a);
   return result;

@@ -108,6 +108,9 @@ int ladder_probe(const budget *b, const ladder *l, int level);
 
 /* ---- report_words.c -------------------------------------------------------------------------- */
 
+/* Writes a fraction as "0.65 %", "12 %" or "unknown" and returns text. */
+const char *percent(double part, char text[24]);
+
 /* Writes the verdict, and the tables of the budget. */
 void budget_verdict(const budget *b, char *text, size_t size);
 void budget_accuracy(const budget *b, page *p);
@@ -185,8 +188,8 @@ void part_command(const parts *a);
 /* Says how many answers the problem has at its own friction. */
 void part_uniqueness(const parts *a, const dls_contact *contact);
 
-/* Add the section of a part. */
-void part_speed(parts *a, int step);
+/* Add the section of a part. of: the problem that all methods solve. */
+void part_speed(parts *a, int step, const char *of);
 void part_stability(parts *a);
 void part_run(parts *a, const scene_answer *got);
 void part_commands(const parts *a);

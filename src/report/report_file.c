@@ -146,6 +146,8 @@ void file_budget_free(file_budget *b) {
 void file_verdict(const file_budget *b, char *text, size_t size) {
   const char *what = b->in_u ? "positions" : "reactions";
   const int k = b->take;
+  char error[24], wanted[24];
+  (void)percent(b->accuracy, wanted);
   if (b->best < 0) {
     verdict v = {0};
     const dls_status status = b->info[FILE_RUNGS - 1].status;
@@ -155,25 +157,23 @@ void file_verdict(const file_budget *b, char *text, size_t size) {
                    v.next ? ". " : "", (int)strlen(next) - (*next != '\0'), next);
   } else if (k < 0) {
     (void)snprintf(text, size,
-                   "Not decided: no tolerance is within %.2g %%. The best, tol %.0e: %s within "
-                   "%.2g %%",
-                   100 * b->accuracy, b->tol[b->best], what, 100 * b->error[b->best]);
+                   "Not decided: no tolerance is within %s. The best, tol %.0e: %s within %s",
+                   wanted, b->tol[b->best], what, percent(b->error[b->best], error));
   } else {
-    (void)snprintf(text, size,
-                   "Take auto, tol %.0e: %s within %.2g %%, %.2g ms of CPU (%s: %.2g %%)",
-                   b->tol[k], what, 100 * b->accuracy, 1e3 * b->seconds[k],
-                   b->proof.kind ? "proved" : "measured", 100 * b->error[k]);
+    (void)snprintf(text, size, "Take auto, tol %.0e: %s within %s, %s of CPU (%s: %s)", b->tol[k],
+                   what, wanted, in_words(b->seconds[k]).text,
+                   b->proof.kind ? "proved" : "measured", percent(b->error[k], error));
   }
 }
 
 void file_tables(const file_budget *b, page *p) {
-  char words[120];
+  char words[120], moved[24];
   page_say(p, PAGE_PLAIN,
            "A file has no mesh. The answer is all %s; errors are relative to the answer to the "
            "tightest tolerance: %s.",
            b->in_u ? "positions, for W does not determine the reactions" : "reactions",
            b->best < 0 ? "there is none" : proof_words(&b->proof, words, sizeof words));
-  page_table(p, "changed,verdict,iterations,residual,error,CPU ms");
+  page_table(p, "changed,verdict,iterations,residual,error,CPU");
   for (int k = 0; k < FILE_RUNGS; k++) {
     const dls_info *i = &b->info[k];
     page_cell(p, "tolerance %.0e%s", b->tol[k], k == b->take ? " (take)" : "");
@@ -181,11 +181,12 @@ void file_tables(const file_budget *b, page *p) {
     page_cell(p, "%d", i->iterations);
     page_cell(p, "%.2g", i->certificate.residual);
     page_cell(p, isfinite(b->error[k]) ? "%.2g" : "", b->error[k]);
-    page_cell(p, "%.3g", 1e3 * b->seconds[k]);
+    page_cell(p, "%s", in_words(b->seconds[k]).text);
   }
   page_table_end(p);
   if (isfinite(b->no_friction))
-    page_say(p, PAGE_PLAIN, "Without friction the answer moves by %.2g %%.", 100 * b->no_friction);
+    page_say(p, PAGE_PLAIN, "Without friction the answer moves by %s.",
+             percent(b->no_friction, moved));
 }
 
 void file_contacts(const file_budget *b, page *p) {

@@ -40,8 +40,8 @@ static const char style[] =
     "  border-bottom: 1px solid var(--line) }\n"
     "th { font-weight: 600 } th:first-child, td:first-child, .word { text-align: left }\n"
     ".word { padding-left: .7rem }\n"
-    "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; overflow-x: auto;\n"
-    "  font-size: .85rem }\n"
+    "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; font-size: .85rem;\n"
+    "  white-space: pre-wrap; overflow-wrap: anywhere }\n"
     "figure { margin: .8rem 0 } figcaption { font-size: .9rem; opacity: .85 }\n"
     "svg { display: block; width: 100%; height: auto }\n"
     "@media (max-width: 600px) { table { font-size: .78rem }\n"
@@ -51,7 +51,7 @@ static const char style[] =
     "  svg { filter: none; min-width: 0 !important } html { font-size: 11px }\n"
     "  body { font-size: 1rem; max-width: none }\n"
     "  figure, table, pre { break-inside: avoid } h2 { break-after: avoid }\n"
-    "  .wide { overflow: visible } pre { white-space: pre-wrap }\n}\n"
+    "  .wide { overflow: visible }\n}\n"
     "</style>\n</head>\n<body>\n";
 
 int page_open(page *p, const char *directory, const char *name, const char *title, int text) {
@@ -69,16 +69,20 @@ int page_close(page *p, const char *name) {
   return close_file(p->html, name);
 }
 
-/* Writes text between tags; numbers such as 1e-03 stay in one line. */
-static void write_words(const page *p, const char *text) {
+/* Writes text between tags; numbers such as 1e-03, with their units, and options stay in one line.
+ * copied = 1: blanks stay what they are. */
+static void write_words(const page *p, const char *text, int copied) {
   const quoted q = quote(AS_HTML, text);
   for (const char *at = q.text; *at;) {
     const int length = (int)strcspn(at, " ");
-    const char *power = strstr(at, "e-");
-    const int whole = power && power < at + length && power > at;
+    const int digits = (int)strspn(at, "+-.0123456789"); /* of 1e-03, not of three-solutions */
+    const int power = digits > 0 && digits < length && !strncmp(at + digits, "e-", 2);
+    const int whole = power || (!strncmp(at, "--", 2) && length < 40);
     fprintf(p->html, whole ? "<span>%.*s</span>" : "%.*s", length, at);
     at += length;
-    if (*at) fputc(*at++, p->html);
+    const int unit = *at && digits == length && digits && strcspn(at + 1, " .,:;)") <= 3;
+    fputs(unit && !copied ? "&#160;" : *at ? " " : "", p->html);
+    at += *at == ' ';
   }
 }
 
@@ -96,10 +100,7 @@ void page_say(page *p, page_words kind, const char *format, ...) {
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
   fputs(begin[kind], p->html);
-  if (kind == PAGE_COMMAND)
-    fputs(quote(AS_HTML, text).text, p->html);
-  else
-    write_words(p, text);
+  write_words(p, text, kind == PAGE_COMMAND);
   fprintf(p->html, "%s\n", end[kind]);
   if (!p->text) return;
   const char *shown = kind == PAGE_SECTION ? "\n== " : kind == PAGE_COMMAND ? "  $ " : "";
@@ -149,7 +150,7 @@ void page_table_end(page *p) {
       const int below = p->cell[(rows > 1) * p->columns + j][0] | 32;
       if (length > width[j]) width[j] = length;
       fprintf(p->html, j && below >= 'a' && below <= 'z' ? "<%s class=\"word\">" : "<%s>", mark);
-      write_words(p, cell);
+      write_words(p, cell, 0);
       fprintf(p->html, "</%s>", mark);
     }
     fputs("</tr>\n", p->html);

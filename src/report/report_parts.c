@@ -79,14 +79,9 @@ static int run_line(command_line *l, const parts *a, const char *what, int (*run
   return result;
 }
 
-/* Begins the command `what` and notes it. */
-static void note_line(parts *a, const char *what, const char *options) {
+void part_note(parts *a, const char *what, const char *options) {
   begin_line(&a->line, a, what, options);
   if (a->commands < MOST_COMMANDS) write_line(&a->line, a->command[a->commands++], COMMAND_ROOM);
-}
-
-void part_note(parts *a, const char *what, const char *options) {
-  note_line(a, what, options);
 }
 
 /* Runs a command for this page; says on the page why it did not work. Returns 1 if it did. */
@@ -94,24 +89,25 @@ static int make_part(parts *a, const char *what, const char *options, int (*run)
                      char path[PATH_ROOM]) {
   char why[PATH_ROOM];
   if (strcmp(what, "scene") != 0) /* is noted on the first screen */
-    note_line(a, what, options);
+    part_note(a, what, options);
   else
     begin_line(&a->line, a, what, options);
   if (run_line(&a->line, a, what, run, path, why) != EXIT_BAD_INPUT) return 1;
   page_say(a->page, PAGE_NOTE, "No %s: %.600s", what, *why ? why : "it failed");
+  a->commands -= strcmp(what, "scene") != 0; /* it does not work alone, either */
   return 0;
 }
 
 /* ---- speed against accuracy ------------------------------------------------------------------ */
 
-void part_speed(parts *a, int step) {
+void part_speed(parts *a, int step, const char *of) {
   char path[PATH_ROOM], options[40], of_step[24] = "";
   if (step) (void)snprintf(of_step, sizeof of_step, " --step=%d", step);
   (void)snprintf(options, sizeof options, "--budget=%.2g --repeat=8%s", a->cpu, of_step);
   if (!make_part(a, "chart", options, command_chart, path)) return;
   (void)page_picture(a->page, path, "chart.svg",
                      "Every method: residual, cost, error and convergence");
-  page_say(a->page, PAGE_PLAIN, "Every method to 1e-08:");
+  page_say(a->page, PAGE_PLAIN, "Every method to 1e-08 on %s:", of);
   (void)page_csv(a->page, path, "chart.csv",
                  "method,verdict,cpu_s,times_fastest,iterations,residual,error", "1e-08",
                  MOST_TABLE);
@@ -270,7 +266,8 @@ void part_run(parts *a, const scene_answer *got) {
   static const char *const captions[3][2] = {
       {"The deformed mesh and its reactions", "Reactions along the contact line"},
       {"Force against travel",
-       "Pressure over the surface and the travel; none has the colour of the page"},
+       "Pressure and shear at the end; pressure over the travel, where none has the colour of the "
+       "page"},
       {"State and pressure over surface and time; none has the colour of the page",
        "Gap and force beside the closed form"}};
   for (int k = 0; k < 2; k++)

@@ -4,7 +4,7 @@
 
 #include "report.h"
 
-static const char *percent(double part, char text[24]) {
+const char *percent(double part, char text[24]) {
   (void)snprintf(text, 24,
                  !isfinite(part) ? "unknown"
                  : part < 0.1    ? "%.2g %%"
@@ -38,26 +38,27 @@ static int knows_error(const budget *b) {
 void budget_verdict(const budget *b, char *text, size_t size) {
   const scene *s = b->scene;
   const probe *take = &b->probe[b->take];
-  char words[SETTING_ROOM], wanted[24], error[24], of[120], worst[40] = "";
+  char words[SETTING_ROOM], wanted[24], error[24], of[120], worst[60] = "";
   (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
   (void)asked_words(b, of);
+  const quantity_of most = budget_worst(b, b->take);
   if (b->of & (b->of - 1))
     (void)snprintf(worst, sizeof worst, ", the %s the worst",
-                   quantity_names[budget_worst(b, b->take)]);
+                   most == OF_FORCE ? s->answer : quantity_names[most]);
   if (take->got.status) {
     (void)snprintf(text, size, "%s does not finish: %s, after %.0f %% of the steps", s->name,
                    dls_status_text(take->got.status), 100 * take->got.part);
   } else if (!isfinite(b->error)) {
-    (void)snprintf(text, size, "Take %s: its error is unknown, %.3g s of CPU are too few (--cpu=S)",
-                   words, b->limit);
+    (void)snprintf(text, size, "Take %s: its error is unknown, %s of CPU are too few (--cpu=S)",
+                   words, in_words(b->limit).text);
   } else if (b->met) {
-    (void)snprintf(text, size, "Take %s: %s within %s (estimated to: %s%s), %.2g s of CPU", words,
-                   of, wanted, error, worst, take->got.seconds);
+    (void)snprintf(text, size, "Take %s: %s within %s (estimated to: %s%s), %s of CPU", words, of,
+                   wanted, error, worst, in_words(take->got.seconds).text);
   } else {
-    (void)snprintf(text, size, "Take %s: %s within %s%s, the best that %.3g s of CPU found, not %s",
-                   words, of, error, worst, b->limit, wanted);
+    (void)snprintf(text, size, "Take %s: %s within %s%s, the best that %s of CPU found, not %s",
+                   words, of, error, worst, in_words(b->limit).text, wanted);
   }
 }
 
@@ -89,9 +90,9 @@ void budget_accuracy(const budget *b, page *p) {
     page_say(p, PAGE_PLAIN, "Not decided: the even mesh and the %s tend to answers %s apart.",
              b->second.part, percent(b->doubt[OF_FORCE], text));
   else if (!b->met && b->enough_seconds > 0)
-    page_say(p, PAGE_PLAIN,
-             "Not decided. By order %.2g %s would be enough, in about %.3g s of CPU.",
-             b->enough_order, setting_text(s, &b->enough, 0, more), b->enough_seconds);
+    page_say(
+        p, PAGE_PLAIN, "Not decided. By order %.2g it would take %s: a run of about %s of CPU.",
+        b->enough_order, setting_text(s, &b->enough, 0, more), in_words(b->enough_seconds).text);
   else if (!b->met && b->enough_order > 0)
     page_say(p, PAGE_PLAIN, "Not decided. By order %.2g, 64 times as fine would not be enough.",
              b->enough_order);
@@ -108,30 +109,32 @@ static void add_change(const budget *b, page *p, const char *what, int from, int
   else
     page_cell(p, "%.6g", y->got.value);
   page_cell(p, "%s", from == to ? "" : percent(fabs(y->got.value / x->got.value - 1), text));
-  page_cell(p, "%.2g", y->got.seconds);
+  page_cell(p, "%s", in_words(y->got.seconds).text);
 }
 
-static void say_ladder(page *p, const ladder *l) {
+/* of: what stays at the scene's own. */
+static void say_ladder(page *p, const ladder *l, const char *of) {
   char text[24];
   if (l->low >= l->high) return;
   (void)percent(l->doubt, text);
   const int levels = l->high - l->low + 1;
   if (isfinite(l->order))
     page_say(p, PAGE_PLAIN,
-             "%s: %d levels. The answer tends to %.6g with order %.2g, estimated to %s.", l->part,
-             levels, l->limit, l->order, text);
+             "%s%s: %d levels. The answer tends to %.6g with order %.2g, estimated to %s.", l->part,
+             of, levels, l->limit, l->order, text);
   else
-    page_say(
-        p, PAGE_PLAIN, "%s: %d levels. The answer %s, at %.6g, estimated to %s.", l->part, levels,
-        l->monotone ? "still moves in one direction, without an order that three limits agree on"
-                    : "moves to and fro and has no order",
-        l->limit, text);
+    page_say(p, PAGE_PLAIN, "%s%s: %d levels. The answer %s, at %.6g, estimated to %s.", l->part,
+             of, levels,
+             l->monotone
+                 ? "still moves in one direction, without an order that three limits agree on"
+                 : "moves to and fro and has no order",
+             l->limit, text);
 }
 
 static void add_tried(const budget *b, page *p) {
   enum { MOST_TRIED = 10 }; /* before the one to take */
   char words[SETTING_ROOM], text[24];
-  page_table(p, "run,setting,answer,from the reference,CPU s");
+  page_table(p, "run,setting,answer,from the reference,CPU");
   for (int k = 0; k < b->probes; k++) {
     const probe *q = &b->probe[k];
     const int tried = !strcmp(q->part, "search") && k + MOST_TRIED > b->take;
@@ -140,7 +143,7 @@ static void add_tried(const budget *b, page *p) {
     page_cell(p, "%s", setting_text(b->scene, &q->at, 0, words));
     page_cell(p, "%.6g", q->got.value);
     page_cell(p, "%s", percent(budget_error(b, k, OF_FORCE), text));
-    page_cell(p, "%.2g", q->got.seconds);
+    page_cell(p, "%s", in_words(q->got.seconds).text);
   }
   page_table_end(p);
 }
@@ -152,7 +155,7 @@ void budget_tables(const budget *b, page *p) {
   page_say(p, PAGE_PLAIN,
            "The answer is the %s [%s]. Each row changes one thing of the scene as it is.",
            s->answer, s->unit);
-  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU s", s->unit);
+  (void)snprintf(heads, sizeof heads, "changed,setting,answer [%s],moves by,CPU", s->unit);
   page_table(p, heads);
   add_change(b, p, "as it is", b->own, b->own);
   setting at;
@@ -162,16 +165,16 @@ void budget_tables(const budget *b, page *p) {
       if (setting_is(&b->probe[k].at, &at)) add_change(b, p, name, b->own, k);
   page_table_end(p);
   if (!knows_error(b)) return;
-  say_ladder(p, &b->mesh);
-  say_ladder(p, &b->second);
-  say_ladder(p, &b->steps);
+  say_ladder(p, &b->mesh, "");
+  say_ladder(p, &b->second, "");
+  say_ladder(p, &b->steps, s->own.nx ? " on the mesh of the scene as it is" : "");
   if (isfinite(s->exact))
     page_say(p, PAGE_PLAIN, "Reference: %.6g, the closed form [Doyen, Ern, Piperno 2011].",
              b->reference);
   else
     page_say(p, PAGE_PLAIN, "Reference: %.6g, estimated to %s.", b->reference,
              percent(b->doubt[OF_FORCE], text));
-  page_say(p, PAGE_NOTE, "%d runs, %.2g s of CPU.", b->probes, cpu_seconds() - b->start);
+  page_say(p, PAGE_NOTE, "%d runs, %s of CPU.", b->probes, in_words(cpu_seconds() - b->start).text);
   add_tried(b, p);
   if (b->met && b->check < 0)
     page_say(p, PAGE_NOTE, "There was no time for a check run with half the element size.");
@@ -231,8 +234,7 @@ int budget_picture(const budget *b, const char *directory) {
   static const char *const titles[] = {"mesh alone", "steps alone", "tolerance alone",
                                        "tried together"};
   int points[4];
-  if (!budget_csv(b, directory) || !budget_data(b, directory, points)) return 0;
-  if (!knows_error(b)) return 0; /* nothing to compare */
+  if (!budget_csv(b, directory) || !budget_data(b, directory, points) || !knows_error(b)) return 0;
   FILE *s = open_script(directory, "budget");
   if (!s) return 0;
   fputs("set datafile missing 'NaN'\n", s);

@@ -48,31 +48,13 @@ static void make_host(void) {
   model.HT = (dls_sparse){n, 2 * nc, each, tangent, ones};
 }
 
-static const char *path_in(const char *name) {
-  static char path[128];
-  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
-  return path;
-}
-
-static FILE *begin(const char *name) {
-  FILE *file = fopen(path_in(name), "w");
-  ck_assert_ptr_nonnull(file);
-  return file;
-}
-
 static void run_ok(dls_status status) {
   ck_assert_int_eq(status, DLS_OK);
 }
 
-static void put(const char *name, const char *text) {
-  FILE *file = begin(name);
-  fputs(text, file);
-  ck_assert_int_eq(fclose(file), 0);
-}
-
 static const char *get(const char *name) {
   static char text[100000];
-  FILE *file = fopen(path_in(name), "r");
+  FILE *file = fopen(path_of(name), "r");
   ck_assert_msg(file != NULL, "%s is not there", name);
   text[fread(text, 1, sizeof text - 1, file)] = '\0';
   (void)fclose(file);
@@ -80,7 +62,7 @@ static const char *get(const char *name) {
 }
 
 static void put_sparse(const char *name, const char *kind, const dls_sparse *A) {
-  FILE *file = begin(name);
+  FILE *file = open_file(name, "w");
   fprintf(file, "%%%%MatrixMarket matrix coordinate real %s\n%d %d %d\n", kind, A->rows, A->cols,
           A->p[A->cols]);
   for (int j = 0; j < A->cols; j++)
@@ -90,7 +72,7 @@ static void put_sparse(const char *name, const char *kind, const dls_sparse *A) 
 }
 
 static void put_vector(const char *name, int count, int cols, const double *x) {
-  FILE *file = begin(name);
+  FILE *file = open_file(name, "w");
   fputs("# a comment\n", file);
   for (int k = 0; k < count; k++)
     fprintf(file, "%.17g%c", x[k], (k + 1) % cols ? ',' : '\n');
@@ -160,14 +142,14 @@ TEST(equal_to_a_host_in_c) {
   dls_contact alone = problem;
   alone.weights = NULL;
   run_ok(dls_solve(&alone, NULL, r, u, NULL, NULL));
-  ck_assert_int_eq(dls_mtx_write(path_in("W.mtx"), &problem.W, NULL), DLS_OK);
+  ck_assert_int_eq(dls_mtx_write(path_of("W.mtx"), &problem.W, NULL), DLS_OK);
   put_vector("q.txt", m, 1, problem.q);
   ck_assert_int_eq(run("solve --W @/W.mtx --q @/q.txt --mu @/mu.txt --csv @/out -o @/r.mtx"), 0);
   same_as_in_c(0);
   dls_reduction_destroy(reduction);
   int rows, cols;
   double *again;
-  run_ok(dls_mtx_read(path_in("r.mtx"), &rows, &cols, &again, NULL));
+  run_ok(dls_mtx_read(path_of("r.mtx"), &rows, &cols, &again, NULL));
   ck_assert_int_eq(rows, m);
   ck_assert_int_eq(memcmp(again, r, sizeof r), 0);
   dls_mtx_free(again);
@@ -178,7 +160,7 @@ TEST(one_h_one_list_and_npy) {
   write_host();
   solve_in_c();
   /* H has the columns (n, t, s) of each node; --dim is told by mu */
-  FILE *file = begin("H.mtx");
+  FILE *file = open_file("H.mtx", "w");
   fprintf(file, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", n, m, m);
   for (int c = 0; c < nc; c++)
     fprintf(file, "%d %d 1\n%d %d 1\n%d %d 1\n", normal[c] + 1, 3 * c + 1, tangent[2 * c] + 1,
@@ -189,7 +171,7 @@ TEST(one_h_one_list_and_npy) {
                    0);
   same_as_in_c(0);
   /* rows (node, normal): t = x, s = n x t = y */
-  file = begin("nodes.txt");
+  file = open_file("nodes.txt", "w");
   for (int c = 0; c < nc; c++)
     fprintf(file, "%d 0 0 2\n", c + 1);
   ck_assert_int_eq(fclose(file), 0);
@@ -201,7 +183,7 @@ TEST(one_h_one_list_and_npy) {
   char header[128];
   const int length = snprintf(header, sizeof header,
                               "{'descr': '<f8', 'fortran_order': False, 'shape': (%d,), }", n);
-  file = begin("f.npy");
+  file = open_file("f.npy", "w");
   fwrite("\x93NUMPY\1\0", 1, 8, file);
   fputc(length + 1, file);
   fputc(0, file);
@@ -228,7 +210,7 @@ TEST(npy_headers) {
                  {1, "(65536, 65536)", 2},   {1, "(2, 2", 2},
                  {1, "(2, -2)", 2},          {1, "(2, 2, 1)", 2},
                  {1, "(-4294967294, 2)", 2}, {1, "()", 2}};
-  put("q.txt", "-1\n.5\n");
+  write_file("q.txt", "-1\n.5\n");
   for (size_t k = 0; k < sizeof headers / sizeof *headers; k++) {
     static const double W[4] = {2, 0, 0, 2};
     char header[128];
@@ -236,7 +218,7 @@ TEST(npy_headers) {
                                 "{'descr': '<f8', 'fortran_order': False, "
                                 "'shape': %s, }\n",
                                 headers[k].shape);
-    FILE *file = begin("W.npy");
+    FILE *file = open_file("W.npy", "w");
     fprintf(file, "\x93NUMPY%c%c%c%c", headers[k].version, 0, length, 0);
     if (headers[k].version > 1) fwrite("\0", 1, 2, file);
     fputs(header, file);
@@ -265,13 +247,13 @@ TEST(pipes) {
                {"M.mtx", "solve -q --lcp - @/M.mtx"},
                {"p.hdf5", "solve -q -"}};
   char command[300];
-  put("p.txt", "contact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n");
-  put("W.csv", "2,0.5\n0.5,1\n");
-  put("q.csv", "-1\n0.3\n");
-  put("l.txt", "lcp 1\nM\n2\nq -1\n");
-  put("M.mtx", "%%MatrixMarket matrix array real general\n1 1\n2\n");
+  write_file("p.txt", "contact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n");
+  write_file("W.csv", "2,0.5\n0.5,1\n");
+  write_file("q.csv", "-1\n0.3\n");
+  write_file("l.txt", "lcp 1\nM\n2\nq -1\n");
+  write_file("M.mtx", "%%MatrixMarket matrix array real general\n1 1\n2\n");
   if (WITH_HDF5) ck_assert_int_eq(run("solve -q @/p.txt -o @/p.hdf5"), 0);
-  ck_assert_int_eq(setenv("TMPDIR", path_in(""), 1), 0);
+  ck_assert_int_eq(setenv("TMPDIR", path_of(""), 1), 0);
   for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
     if (!WITH_HDF5 && strstr(lines[k].file, ".hdf5")) continue;
     (void)snprintf(command, sizeof command, program, lines[k].file, lines[k].arguments);
@@ -285,17 +267,17 @@ TEST(pipes) {
 
 /* Tables as Windows and Fortran write them. */
 TEST(mark_and_exponents) {
-  put("W.csv", "\xef\xbb\xbf"
-               "2D0;.5d+0\r\n5D-1;1.0\r\n");
-  put("q.csv", "\xef\xbb\xbf"
-               "-1\r\n3.D-1\r\n");
-  put("M.mtx", "\xef\xbb\xbf"
-               "%%MatrixMarket matrix coordinate real general\n2 2 4\n"
-               "1 1 2D0\n1 2 .5d0\n2 1 5D-1\n2 2 1\n");
+  write_file("W.csv", "\xef\xbb\xbf"
+                      "2D0;.5d+0\r\n5D-1;1.0\r\n");
+  write_file("q.csv", "\xef\xbb\xbf"
+                      "-1\r\n3.D-1\r\n");
+  write_file("M.mtx", "\xef\xbb\xbf"
+                      "%%MatrixMarket matrix coordinate real general\n2 2 4\n"
+                      "1 1 2D0\n1 2 .5d0\n2 1 5D-1\n2 2 1\n");
   ck_assert_int_eq(run("solve --dim 2 --W @/W.csv --q @/q.csv --mu .5 --csv @/a"), 0);
   ck_assert_int_eq(run("solve --dim 2 --W @/M.mtx --q @/q.csv --mu .5 --csv @/b"), 0);
   ck_assert_int_eq(run("-V; cmp @/a/r.csv @/b/r.csv"), 0);
-  put("q.csv", "-1\n3D\n");
+  write_file("q.csv", "-1\n3D\n");
   ck_assert_int_eq(run("solve --dim 2 --W @/W.csv --q @/q.csv --mu .5"), 2);
 }
 
@@ -303,9 +285,9 @@ TEST(mark_and_exponents) {
  * u = (1, 0). */
 TEST(normals_alone) {
   static const char answer[] = "candidate_from_0,state,gap,r_n,u_n\n0,free,1,0,1\n1,touch,0,2,0\n";
-  put("W.txt", "2 1\n1 2\n");
-  put("q.txt", "-1\n-4\n");
-  put("mu.txt", "0\n0\n");
+  write_file("W.txt", "2 1\n1 2\n");
+  write_file("q.txt", "-1\n-4\n");
+  write_file("mu.txt", "0\n0\n");
   ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu @/mu.txt --csv @/out"), 0);
   ck_assert_str_eq(get("out/r.csv"), answer);
   ck_assert_int_eq(run("solve --dim=1 --W @/W.txt --q @/q.txt --csv @/out"), 0);
@@ -315,10 +297,10 @@ TEST(normals_alone) {
 }
 
 TEST(calculix) {
-  put("job.sti", "1 1 3.0000000000000e+00\n1 2 1.0e0\n2 2 2.0e0\n");
-  put("job.dof", "7.1\n7.2\n");
-  put("nodes.txt", "7  0 1 0\n");
-  put("loads.txt", "7 1 5\n7 2 -10\n7 3 100\n");
+  write_file("job.sti", "1 1 3.0000000000000e+00\n1 2 1.0e0\n2 2 2.0e0\n");
+  write_file("job.dof", "7.1\n7.2\n");
+  write_file("nodes.txt", "7  0 1 0\n");
+  write_file("loads.txt", "7 1 5\n7 2 -10\n7 3 100\n");
   ck_assert_msg(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/loads.txt --mu 0.2 "
                     "--csv @/out") == 0,
                 "%s", output);
@@ -328,23 +310,23 @@ TEST(calculix) {
                    4);
   ck_assert_double_eq_tol(number[1], 10.9375, 1e-12);
   ck_assert(strncmp(get("out/x.csv"), "node,direction,x\n7,1,0.93", 24) == 0);
-  put("one.txt", "5\n");
+  write_file("one.txt", "5\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/one.txt --mu 1"), 2);
   ck_assert(strstr(output, "holds 1 number, must hold 2, or rows of node, direction") != NULL);
-  put("job.dof", "7.1\n");
+  write_file("job.dof", "7.1\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/loads.txt --mu 1"),
                    2);
   ck_assert(strstr(output, "holds 1 unknown, ") != NULL);
-  put("job.sti", "2 1 3.0\n");
+  write_file("job.sti", "2 1 3.0\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --mu 1"), 2);
   ck_assert(strstr(output, "on or above the diagonal") != NULL);
 }
 
 /* A bar of two free nodes, pressed onto a wall on each side. */
 TEST(free_body) {
-  put("K.txt", "1 -1\n-1 1\n");
-  put("N.txt", "1 0\n0 -1\n");
-  put("f.txt", "3 1\n");
+  write_file("K.txt", "1 -1\n-1 1\n");
+  write_file("N.txt", "1 0\n0 -1\n");
+  write_file("f.txt", "3 1\n");
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --csv @/out"), 0);
   ck_assert(strstr(output, "on K, of 2 unknowns") != NULL);
   double pressed[2]; /* statics: nothing on the left one, 3 + 1 on the other */
@@ -365,12 +347,12 @@ TEST(free_body) {
 /* Each line: the arguments, and what the complaint says. */
 /* The point of a spring model by lines row column value, H_N without its last rows; by labels. */
 TEST(triplets_and_labels) {
-  put("K.txt", "1 1 3\n1 2 1\n2 1 1\n2 2 2\n3 3 5\n");
-  put("N.txt", "2 1 1\n");
-  put("T.txt", "1 1 1\n");
-  put("f.txt", "5\n-10\n0\n");
-  put("K.mtx", "1,1, 1,1, 3.\n1,2, 1,1, 1.\n1,2, 1,2, 2.\n9,1, 9,1, 5.\n");
-  put("nodes.txt", "1 0 1\n");
+  write_file("K.txt", "1 1 3\n1 2 1\n2 1 1\n2 2 2\n3 3 5\n");
+  write_file("N.txt", "2 1 1\n");
+  write_file("T.txt", "1 1 1\n");
+  write_file("f.txt", "5\n-10\n0\n");
+  write_file("K.mtx", "1,1, 1,1, 3.\n1,2, 1,1, 1.\n1,2, 1,2, 2.\n9,1, 9,1, 5.\n");
+  write_file("nodes.txt", "1 0 1\n");
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --f @/f.txt --mu 0.2 "
                        "--triplets --csv @"),
                    0);
@@ -388,14 +370,14 @@ TEST(triplets_and_labels) {
 /* Three nodes on springs, 2D, the middle one pressed: sums, moments, fields, a picture; by HN and
  * coordinates and by a list of nodes with them. */
 TEST(coordinates) {
-  put("K.txt", "2 0 -1 0 0 0\n0 2 0 -1 0 0\n-1 0 2 0 -1 0\n0 -1 0 2 0 -1\n0 0 -1 0 2 0\n"
-               "0 0 0 -1 0 2\n");
-  put("N.txt", "0\n0\n0\n1\n0\n0\n");
-  put("T.txt", "0\n0\n1\n0\n0\n0\n");
-  put("f.txt", "0\n0\n0.1\n-1\n0\n0\n");
-  put("X.csv", "0,0\n3,2\n6,0\n");
-  put("nodes.csv", "2,0,1,3,2\n");
-  put("short.csv", "0,0\n3,2\n");
+  write_file("K.txt", "2 0 -1 0 0 0\n0 2 0 -1 0 0\n-1 0 2 0 -1 0\n0 -1 0 2 0 -1\n0 0 -1 0 2 0\n"
+                      "0 0 0 -1 0 2\n");
+  write_file("N.txt", "0\n0\n0\n1\n0\n0\n");
+  write_file("T.txt", "0\n0\n1\n0\n0\n0\n");
+  write_file("f.txt", "0\n0\n0.1\n-1\n0\n0\n");
+  write_file("X.csv", "0,0\n3,2\n6,0\n");
+  write_file("nodes.csv", "2,0,1,3,2\n");
+  write_file("short.csv", "0,0\n3,2\n");
   const char *const at[] = {"--HN @/N.txt --HT @/T.txt --nodes @/X.csv", "--nodes @/nodes.csv"};
   for (int k = 0; k < 2; k++) {
     char line[300];
@@ -420,9 +402,9 @@ TEST(coordinates) {
   }
   /* node 1 on node 2, entries of H_N alike: the contact is at the first; K^-1 = (3 2; 2 4) / 4,
    * W = 3/4, q = -1/4 */
-  put("N2.txt", "0\n1\n0\n-1\n0\n0\n");
-  put("T2.txt", "1\n0\n-1\n0\n0\n0\n");
-  put("f2.txt", "0\n-1\n0\n0\n0\n0\n");
+  write_file("N2.txt", "0\n1\n0\n-1\n0\n0\n");
+  write_file("T2.txt", "1\n0\n-1\n0\n0\n0\n");
+  write_file("f2.txt", "0\n-1\n0\n0\n0\n0\n");
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N2.txt --HT @/T2.txt --nodes @/X.csv "
                        "--f @/f2.txt --mu 0.5 --csv @/pair"),
                    0);
@@ -483,21 +465,22 @@ TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --HN @/N.txt --json --print", "--print"},
       {"--stiffness @/K.txt --HN @/N.txt -v --csv /dev/null/x", "/dev/null/x"},
   };
-  put("K.txt", "3 1\n1 2\n");
-  put("lower.txt", "3 0\n1 2\n");
-  put("upper.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 3\n1 2 1\n2 2 2\n");
-  put("upper.txt", "3 1\n0 2\n");
-  put("N.txt", "0\n1\n");
-  put("f.txt", "5 -10\n");
-  put("three.txt", "1\n2\n3\n");
-  put("row.txt", "1 2 3\n");
-  put("words.txt", "1 2\ntwo 3\n");
-  put("ragged.txt", "1 2\n3\n");
-  put("empty.txt", "# nothing\n");
-  put("far.txt", "2 0 1\n");
-  put("flat.txt", "1 0 0\n");
-  put("zip.npz", "PK\3\4 and so on");
-  put("broken.npy", "\x93NUMPY\1");
+  write_file("K.txt", "3 1\n1 2\n");
+  write_file("lower.txt", "3 0\n1 2\n");
+  write_file("upper.mtx",
+             "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 3\n1 2 1\n2 2 2\n");
+  write_file("upper.txt", "3 1\n0 2\n");
+  write_file("N.txt", "0\n1\n");
+  write_file("f.txt", "5 -10\n");
+  write_file("three.txt", "1\n2\n3\n");
+  write_file("row.txt", "1 2 3\n");
+  write_file("words.txt", "1 2\ntwo 3\n");
+  write_file("ragged.txt", "1 2\n3\n");
+  write_file("empty.txt", "# nothing\n");
+  write_file("far.txt", "2 0 1\n");
+  write_file("flat.txt", "1 0 0\n");
+  write_file("zip.npz", "PK\3\4 and so on");
+  write_file("broken.npy", "\x93NUMPY\1");
   for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
     char arguments[300];
     (void)snprintf(arguments, sizeof arguments, "solve %s", wrong[k][0]);
@@ -524,9 +507,9 @@ TEST(last_line) {
 /* Reactions beyond what rounding tells, positions exact: solved, and no candidate is at fault.
  * Sweeps alone do not get there. */
 TEST(entries_of_all_sizes) {
-  put("W.txt", "2 0 .5 0\n0 2 0 .5\n1.8e-307 1.4e195 1.9e-57 3.5e-152\n"
-               "2.7e-315 1.8e-307 4.8e-320 5.8e-275\n");
-  put("q.txt", "-1\n.5\n-1\n0\n");
+  write_file("W.txt", "2 0 .5 0\n0 2 0 .5\n1.8e-307 1.4e195 1.9e-57 3.5e-152\n"
+                      "2.7e-315 1.8e-307 4.8e-320 5.8e-275\n");
+  write_file("q.txt", "-1\n.5\n-1\n0\n");
   ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu .3 --dim 2"), 0);
   ck_assert(ends_in("\nsolved\n") && !strstr(output, "the error is at"));
   ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu .3 --dim 2 -m nlgs"), 1);
@@ -546,13 +529,15 @@ TEST(a_free_body_moves) {
 /* A box of width 1 and weight 1 on the floor, K = 0, pushed at its foot: it slides at mu. Held by a
  * spring it carries all. */
 TEST(limit) {
-  put("N.mtx",
+  write_file(
+      "N.mtx",
       "%%MatrixMarket matrix coordinate real general\n3 2 4\n2 1 1\n3 1 -.5\n2 2 1\n3 2 .5\n");
-  put("T.mtx", "%%MatrixMarket matrix coordinate real general\n3 2 2\n1 1 1\n1 2 1\n");
-  put("K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n3 3 0\n");
-  put("H.mtx", "%%MatrixMarket matrix coordinate real symmetric\n3 3 3\n1 1 9\n2 2 9\n3 3 9\n");
-  put("f.txt", "0\n-1\n0\n");
-  put("f1.txt", "1\n0\n0\n");
+  write_file("T.mtx", "%%MatrixMarket matrix coordinate real general\n3 2 2\n1 1 1\n1 2 1\n");
+  write_file("K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n3 3 0\n");
+  write_file("H.mtx",
+             "%%MatrixMarket matrix coordinate real symmetric\n3 3 3\n1 1 9\n2 2 9\n3 3 9\n");
+  write_file("f.txt", "0\n-1\n0\n");
+  write_file("f1.txt", "1\n0\n0\n");
 #define LIMIT " --HN @/N.mtx --HT @/T.mtx --f @/f.txt --mu .4 --limit @/f1.txt "
   ck_assert_int_eq(run("solve --stiffness @/K.mtx" LIMIT), 0);
   ck_assert(strstr(output, "carried at 0.39999") && strstr(output, "refused at 0.4") &&
