@@ -69,6 +69,14 @@ static const struct {
              "(4I3)           (5I2)           (8F4.1)             \n"
              "1  3  5  6  \n1 2 2 3 3 \n 4.0-1.0 4.0-2.0 4.0\n",
      0, 1},
+    {"Harwell-Boeing, a right side, lines that end in CR LF, reals by D",
+     "title                                                                   key     \r\n"
+     "             4             1             1             1             1\r\n"
+     "rua                        3             3             7             0\r\n"
+     "(4I2)           (8I2)           (1P,8D5.1)            (8F4.1)\r\n"
+     "F                          1             0\r\n"
+     " 1 3 6 8\r\n 1 2 1 2 3 2 3\r\n 4.D0-1.D0-1.D0 4.D0-2.D0-2.D0 4.D0\r\n",
+     0, 0},
     {"table", "4, -1, 0\n-1, 4, -2\n0, -2, 4\n", 0, 0},
     {"Matrix Market",
      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 4\n2 1 -1\n2 2 4\n3 2 -2\n3 3 "
@@ -487,6 +495,40 @@ TEST(wrong_lines) {
        "several variables of Octave"},
       {"# Sparse Matrix (Morse)\n3 3 0 9\n1 1 4\n", "holds 1 entries, not 9"},
       {"1 inf\n2 3\n", "entry (1, 2) is not finite"},
+      {HB_HEAD
+       "RSE                        3             3             5             0\n" HB_FORMATS,
+       "line 3: only real, assembled matrices"},
+      {HB_HEAD
+       "RHA                        3             3             5             0\n" HB_FORMATS,
+       "line 3: only real, assembled matrices"},
+      {HB_HEAD
+       "RUA                        0             3             5             0\n" HB_FORMATS,
+       "has sizes that cannot be"},
+      {HB_HEAD "RUA                        3             3\n" HB_FORMATS,
+       "needs rows, columns and entries"},
+      {HB_HEAD "RSA                        3             3             5             0\n(4I2)\n",
+       "needs formats such as (16I5)"},
+      {HB_HEAD "RSA                        3             3             5             0\n"
+               "(4I2)           (8X2)           (8F4.1)\n",
+       "needs formats such as (16I5)"},
+      {HB_HEAD "RSA                        3             3             5             0\n"
+               "(4I2)           (999I2)         (8F4.1)\n",
+       "needs formats such as (16I5)"},
+      {HB_HEAD "RSA                        3             3           500             0\n" HB_FORMATS
+               " 1 3 5 6\n",
+       "claims more numbers than the file has room for"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 6\n 1 2 2 3 3\n",
+       "there are too few lines"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 x 6\n 1 2 2 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "a field holds no number"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 5\n 1 2 2 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "there are more entries than pointers"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 6\n 1 2 1 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "a row is out of range"},
       {"# Sparse Matrix (Morse)\n3 3 0 1\n9 1 4\n", "an index is beyond 3 x 3"},
       {"# Sparse Matrix (Morse)\n9000000 9000000 0 1\n1 1 4\n", "has too few entries for its size"},
       {HB_HEAD
