@@ -32,7 +32,7 @@ src/cli 2230
 src/mpi 3847
 src/python 2872
 src/fortran 579
-tests 66535
+tests 66573
 bench 12645
 examples 2799
 END

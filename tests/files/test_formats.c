@@ -424,6 +424,27 @@ TEST_EACH(npz_with_a_wrong_member, 0, (int)(sizeof wrong_members / sizeof *wrong
   dls_mtx_free_sparse(&A);
 }
 
+/* A table in each format that holds one, with every allocation failing in turn. */
+TEST(tables_without_memory) {
+  static const char *const table[] = {"%%MatrixMarket matrix array real general\n2 2\n1\n3\n2\n4\n",
+                                      "1 2\n3 4\n", "4\n1 2\n3 4\n# their number first\n"};
+  dlsi_table t = {.a = NULL};
+  for (int k = 0; k < 3; k++) {
+    put_bytes(table[k], strlen(table[k]));
+    for (long call = 1, ended = 0; !ended; call++) {
+      malloc_fails_at(call);
+      const dls_status status = dlsi_table_read(path, &t, NULL);
+      ended = malloc_calls() < call;
+      malloc_fails_at(0);
+      ck_assert_int_eq(status, ended ? DLS_OK : DLS_E_MEMORY);
+      if (!ended) free(t.a);
+    }
+    for (int i = 0; i < 4; i++)
+      ck_assert(t.a[i] == i + 1);
+    free(t.a);
+  }
+}
+
 /* By coordinates, as scipy.sparse.save_npz writes it: packed, numbers of other types. */
 TEST_EACH(npz_of_coordinates, 0, 4) {
   static const long long shape[] = {3, 3};
@@ -529,6 +550,27 @@ TEST(wrong_lines) {
       {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
                " 1 3 5 6\n 1 2 1 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
        "a row is out of range"},
+      {"# Created by Octave\n# type: sparse matrix\n# columns: 2\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Created by Octave\n# type: sparse matrix\n# rows: 2\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Created by Octave\n# type: sparse matrix\n# rows: x\n# columns: 2\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Created by Octave\n# type: sparse matrix\n# rows: 2\n# columns: 0\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Sparse Matrix (Morse)\n3 3 0\n1 1 4\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n3 .5 0 1\n1 1 4\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n3 3 0 -1\n1 1 4\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n# nothing\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n3 3 x\n", "is no number"},
+      {"# Sparse Matrix (Morse)\n3 3 0 1\n0 1 4\n", "an index is beyond 3 x 3"},
+      {"# Sparse Matrix (Morse)\n3 3 0 1\n1 4 4\n", "an index is beyond 3 x 3"},
+      {"1 -inf\n2 3\n", "entry (1, 2) is not finite"},
+      {"1 +INF\n2 3\n", "entry (1, 2) is not finite"},
+      {"1 *inf\n2 3\n", "is no number"},
+      {"1 info\n2 3\n", "is no number"},
+      {"# nothing\n", "holds no number"},
+      {"\n", "holds no number"},
       {"# Sparse Matrix (Morse)\n3 3 0 1\n9 1 4\n", "an index is beyond 3 x 3"},
       {"# Sparse Matrix (Morse)\n9000000 9000000 0 1\n1 1 4\n", "has too few entries for its size"},
       {HB_HEAD
