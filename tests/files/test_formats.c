@@ -69,6 +69,14 @@ static const struct {
              "(4I3)           (5I2)           (8F4.1)             \n"
              "1  3  5  6  \n1 2 2 3 3 \n 4.0-1.0 4.0-2.0 4.0\n",
      0, 1},
+    {"Harwell-Boeing, a right side, lines that end in CR LF, reals by D",
+     "title                                                                   key     \r\n"
+     "             4             1             1             1             1\r\n"
+     "rua                        3             3             7             0\r\n"
+     "(4I2)           (8I2)           (1P,8D5.1)            (8F4.1)\r\n"
+     "F                          1             0\r\n"
+     " 1 3 6 8\r\n 1 2 1 2 3 2 3\r\n 4.D0-1.D0-1.D0 4.D0-2.D0-2.D0 4.D0\r\n",
+     0, 0},
     {"table", "4, -1, 0\n-1, 4, -2\n0, -2, 4\n", 0, 0},
     {"Matrix Market",
      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 4\n2 1 -1\n2 2 4\n3 2 -2\n3 3 "
@@ -416,6 +424,27 @@ TEST_EACH(npz_with_a_wrong_member, 0, (int)(sizeof wrong_members / sizeof *wrong
   dls_mtx_free_sparse(&A);
 }
 
+/* A table in each format that holds one, with every allocation failing in turn. */
+TEST(tables_without_memory) {
+  static const char *const table[] = {"%%MatrixMarket matrix array real general\n2 2\n1\n3\n2\n4\n",
+                                      "1 2\n3 4\n", "4\n1 2\n3 4\n# their number first\n"};
+  dlsi_table t = {.a = NULL};
+  for (int k = 0; k < 3; k++) {
+    put_bytes(table[k], strlen(table[k]));
+    for (long call = 1, ended = 0; !ended; call++) {
+      malloc_fails_at(call);
+      const dls_status status = dlsi_table_read(path, &t, NULL);
+      ended = malloc_calls() < call;
+      malloc_fails_at(0);
+      ck_assert_int_eq(status, ended ? DLS_OK : DLS_E_MEMORY);
+      if (!ended) free(t.a);
+    }
+    for (int i = 0; i < 4; i++)
+      ck_assert(t.a[i] == i + 1);
+    free(t.a);
+  }
+}
+
 /* By coordinates, as scipy.sparse.save_npz writes it: packed, numbers of other types. */
 TEST_EACH(npz_of_coordinates, 0, 4) {
   static const long long shape[] = {3, 3};
@@ -487,6 +516,61 @@ TEST(wrong_lines) {
        "several variables of Octave"},
       {"# Sparse Matrix (Morse)\n3 3 0 9\n1 1 4\n", "holds 1 entries, not 9"},
       {"1 inf\n2 3\n", "entry (1, 2) is not finite"},
+      {HB_HEAD
+       "RSE                        3             3             5             0\n" HB_FORMATS,
+       "line 3: only real, assembled matrices"},
+      {HB_HEAD
+       "RHA                        3             3             5             0\n" HB_FORMATS,
+       "line 3: only real, assembled matrices"},
+      {HB_HEAD
+       "RUA                        0             3             5             0\n" HB_FORMATS,
+       "has sizes that cannot be"},
+      {HB_HEAD "RUA                        3             3\n" HB_FORMATS,
+       "needs rows, columns and entries"},
+      {HB_HEAD "RSA                        3             3             5             0\n(4I2)\n",
+       "needs formats such as (16I5)"},
+      {HB_HEAD "RSA                        3             3             5             0\n"
+               "(4I2)           (8X2)           (8F4.1)\n",
+       "needs formats such as (16I5)"},
+      {HB_HEAD "RSA                        3             3             5             0\n"
+               "(4I2)           (999I2)         (8F4.1)\n",
+       "needs formats such as (16I5)"},
+      {HB_HEAD "RSA                        3             3           500             0\n" HB_FORMATS
+               " 1 3 5 6\n",
+       "claims more numbers than the file has room for"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 6\n 1 2 2 3 3\n",
+       "there are too few lines"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 x 6\n 1 2 2 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "a field holds no number"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 5\n 1 2 2 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "there are more entries than pointers"},
+      {HB_HEAD "RSA                        3             3             5             0\n" HB_FORMATS
+               " 1 3 5 6\n 1 2 1 3 3\n 4.0-1.0 4.0-2.0 4.0\n",
+       "a row is out of range"},
+      {"# Created by Octave\n# type: sparse matrix\n# columns: 2\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Created by Octave\n# type: sparse matrix\n# rows: 2\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Created by Octave\n# type: sparse matrix\n# rows: x\n# columns: 2\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Created by Octave\n# type: sparse matrix\n# rows: 2\n# columns: 0\n1 1 4\n",
+       "is a matrix of Octave without its rows and columns"},
+      {"# Sparse Matrix (Morse)\n3 3 0\n1 1 4\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n3 .5 0 1\n1 1 4\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n3 3 0 -1\n1 1 4\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n# nothing\n", "is no first line of a matrix of FreeFEM"},
+      {"# Sparse Matrix (Morse)\n3 3 x\n", "is no number"},
+      {"# Sparse Matrix (Morse)\n3 3 0 1\n0 1 4\n", "an index is beyond 3 x 3"},
+      {"# Sparse Matrix (Morse)\n3 3 0 1\n1 4 4\n", "an index is beyond 3 x 3"},
+      {"1 -inf\n2 3\n", "entry (1, 2) is not finite"},
+      {"1 +INF\n2 3\n", "entry (1, 2) is not finite"},
+      {"1 *inf\n2 3\n", "is no number"},
+      {"1 info\n2 3\n", "is no number"},
+      {"# nothing\n", "holds no number"},
+      {"\n", "holds no number"},
       {"# Sparse Matrix (Morse)\n3 3 0 1\n9 1 4\n", "an index is beyond 3 x 3"},
       {"# Sparse Matrix (Morse)\n9000000 9000000 0 1\n1 1 4\n", "has too few entries for its size"},
       {HB_HEAD
