@@ -56,7 +56,7 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
 }
 
 /* Draws the pressure and the states over surface and time, from a little before the first contact
- * to a little after the last. */
+ * to a little after the last, in whole columns: an image covers what is beside it otherwise. */
 static int write_map(const char *directory, const dls_moving_data *d) {
   const double *xy = d->mesh->xy;
   const int *node = d->candidate_node;
@@ -65,12 +65,13 @@ static int write_map(const char *directory, const dls_moving_data *d) {
   FILE *script = open_script(directory, "map");
   if (!script) return 0;
   fprintf(script,
-          "a = 1e300\nb = -1e300\n"
-          "stats 'map.dat' using (a = $3 > 0 && $1 < a ? $1 : a, b = $3 > 0 && $1 > b ? $1 : b, 1) "
-          "nooutput\n"
+          "a = 1e300\nb = -1e300\nh = p = 0\n"
+          "stats 'map.dat' using (a = $3 > 0 && $1 < a ? $1 : a, b = $3 > 0 && $1 > b ? $1 : b, "
+          "h = $1 > p ? $1 - p : h, p = $1, 1) nooutput\n"
           "if (!(b > a)) { a = 0; b = %g }\n" /* no contact: all of it */
           "m = 0.15*(b - a)\n"
-          "set xrange [a - m < 0 ? 0 : a - m:b + m > %g ? %g : b + m]\n"
+          "set xrange [a - m < h ? h/2 : (floor((a - m)/h) - 0.499)*h:"
+          "b + m > %g ? %g + h/2 : (ceil((b + m)/h) + 0.499)*h]\n"
           "set xlabel 'time [%s]'\nset ylabel 'x along the surface [%s]'\n"
           "set yrange [%g:%g]\nset format y '%%.3g'\nset key off\n"
           "set lmargin at screen 0.11\nset rmargin at screen 0.85\n",

@@ -43,7 +43,7 @@ static const char style[] =
     "pre { background: var(--soft); padding: .4rem .7rem; margin: .3rem 0; font-size: .85rem;\n"
     "  white-space: pre-wrap; overflow-wrap: anywhere }\n"
     "figure { margin: .8rem 0 } figcaption { font-size: .9rem; opacity: .85 }\n"
-    "svg { display: block; width: 100%; height: auto }\n"
+    "svg { display: block; width: 100%; height: auto } image { image-rendering: pixelated }\n"
     "@media (max-width: 600px) { table { font-size: .78rem }\n"
     "  th, td { white-space: normal; padding-right: .4rem } }\n"
     "@media print {\n"

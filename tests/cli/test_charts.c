@@ -303,7 +303,7 @@ TEST(map_tells_how_far_a_run_is_off) {
     ck_assert_double_eq_tol(off[k], fabs(force[k] / force[5] - 1), 1e-3 * off[k] + 1e-8);
   ck_assert_double_eq(off[5], 0);
   ck_assert(off[0] > 5e-3 && off[4] < 2e-3 && off[0] > off[3] && off[3] > off[4]);
-  ck_assert_int_eq(count_of(contents("map.dat"), " s, finest\""), 1);
+  ck_assert_int_eq(count_of(contents("map.dat"), "s, finest\""), 1);
   ck_assert_int_ge(count_of(contents("map.dat"), " %\""), 5);
 }
 

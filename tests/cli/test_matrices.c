@@ -52,15 +52,6 @@ static void run_ok(dls_status status) {
   ck_assert_int_eq(status, DLS_OK);
 }
 
-static const char *get(const char *name) {
-  static char text[100000];
-  FILE *file = fopen(path_of(name), "r");
-  ck_assert_msg(file != NULL, "%s is not there", name);
-  text[fread(text, 1, sizeof text - 1, file)] = '\0';
-  (void)fclose(file);
-  return text;
-}
-
 static void put_sparse(const char *name, const char *kind, const dls_sparse *A) {
   FILE *file = open_file(name, "w");
   fprintf(file, "%%%%MatrixMarket matrix coordinate real %s\n%d %d %d\n", kind, A->rows, A->cols,
@@ -116,11 +107,11 @@ static void same_as_in_c(int named) { /* named: 1 if contact c is the host's nod
     at += sprintf(want + at, ",%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", words[state[c]],
                   gap, a[0], a[1], a[2], b[0], b[1], b[2]);
   }
-  ck_assert_str_eq(get("out/r.csv"), want);
+  ck_assert_str_eq(contents("out/r.csv"), want);
   at = sprintf(want, "unknown_from_0,x\n");
   for (int k = 0; k < n; k++)
     at += sprintf(want + at, "%d,%.17g\n", k, x[k]);
-  ck_assert_str_eq(get("out/x.csv"), want);
+  ck_assert_str_eq(contents("out/x.csv"), want);
 }
 
 static int ends_in(const char *text) {
@@ -289,9 +280,9 @@ TEST(normals_alone) {
   write_file("q.txt", "-1\n-4\n");
   write_file("mu.txt", "0\n0\n");
   ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu @/mu.txt --csv @/out"), 0);
-  ck_assert_str_eq(get("out/r.csv"), answer);
+  ck_assert_str_eq(contents("out/r.csv"), answer);
   ck_assert_int_eq(run("solve --dim=1 --W @/W.txt --q @/q.txt --csv @/out"), 0);
-  ck_assert_str_eq(get("out/r.csv"), answer);
+  ck_assert_str_eq(contents("out/r.csv"), answer);
   ck_assert_int_eq(run("solve --dim=1 --W @/W.txt --q @/q.txt --mu .3"), 2);
   ck_assert(strstr(output, "must be 0 where d = 1"));
 }
@@ -305,11 +296,11 @@ TEST(calculix) {
                     "--csv @/out") == 0,
                 "%s", output);
   double number[6];
-  ck_assert_int_eq(sscanf(strchr(get("out/r.csv"), '\n'), "\n0,7,slip,%lf,%lf,%lf,%lf", number,
+  ck_assert_int_eq(sscanf(strchr(contents("out/r.csv"), '\n'), "\n0,7,slip,%lf,%lf,%lf,%lf", number,
                           number + 1, number + 2, number + 3),
                    4);
   ck_assert_double_eq_tol(number[1], 10.9375, 1e-12);
-  ck_assert(strncmp(get("out/x.csv"), "node,direction,x\n7,1,0.93", 24) == 0);
+  ck_assert(strncmp(contents("out/x.csv"), "node,direction,x\n7,1,0.93", 24) == 0);
   write_file("one.txt", "5\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/one.txt --mu 1"), 2);
   ck_assert(strstr(output, "holds 1 number, must hold 2, or rows of node, direction") != NULL);
@@ -330,7 +321,7 @@ TEST(free_body) {
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --csv @/out"), 0);
   ck_assert(strstr(output, "on K, of 2 unknowns") != NULL);
   double pressed[2]; /* statics: nothing on the left one, 3 + 1 on the other */
-  ck_assert(sscanf(get("out/r.csv"),
+  ck_assert(sscanf(contents("out/r.csv"),
                    "candidate_from_0,state,gap,r_n,u_n 0,free,%*f,%lf,%*f 1,touch,%*f,%lf",
                    &pressed[0], &pressed[1]) == 2);
   ck_assert(pressed[0] == 0 && fabs(pressed[1] - 4) <= 1e-7);
@@ -356,13 +347,13 @@ TEST(triplets_and_labels) {
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --HT @/T.txt --f @/f.txt --mu 0.2 "
                        "--triplets --csv @"),
                    0);
-  ck_assert_ptr_nonnull(strstr(get("r.csv"), "\n0,slip,0,10.9375"));
+  ck_assert_ptr_nonnull(strstr(contents("r.csv"), "\n0,slip,0,10.9375"));
   ck_assert_int_eq(run("solve --stiffness @/K.mtx --nodes @/nodes.txt --f @/f.txt --mu 0.2 "
                        "--csv @"),
                    0);
-  ck_assert_ptr_nonnull(strstr(get("r.csv"), "candidate_from_0,node,state"));
-  ck_assert_ptr_nonnull(strstr(get("r.csv"), "\n0,1,slip,0,10.9375"));
-  ck_assert_ptr_nonnull(strstr(get("x.csv"), "\n9,1,0\n"));
+  ck_assert_ptr_nonnull(strstr(contents("r.csv"), "candidate_from_0,node,state"));
+  ck_assert_ptr_nonnull(strstr(contents("r.csv"), "\n0,1,slip,0,10.9375"));
+  ck_assert_ptr_nonnull(strstr(contents("x.csv"), "\n9,1,0\n"));
   ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --mu 0"), 2);
   ck_assert_ptr_nonnull(strstr(output, "looks like triplets"));
 }
@@ -389,16 +380,17 @@ TEST(coordinates) {
         strstr(output, "sum of the reactions: x -0.1 y 1; moment about the origin: z 3.2\n"));
     (void)snprintf(line, sizeof line, "sums%d/sums.csv", k);
     double F[2], M;
-    ck_assert_int_eq(sscanf(get(line), "body_from_0,F_x,F_y,M_z\n0,%lf,%lf,%lf", &F[0], &F[1], &M),
-                     3);
+    ck_assert_int_eq(
+        sscanf(contents(line), "body_from_0,F_x,F_y,M_z\n0,%lf,%lf,%lf", &F[0], &F[1], &M), 3);
     ck_assert(fabs(F[0] + 0.1) + fabs(F[1] - 1) + fabs(M - 3.2) <= 1e-9);
     (void)snprintf(line, sizeof line, "sums%d/answer.vtu", k);
-    ck_assert_ptr_nonnull(strstr(get(line), k ? "NumberOfPoints=\"1\"" : "NumberOfPoints=\"3\""));
-    ck_assert_ptr_nonnull(strstr(get(line), "\n3 2 0\n"));
+    ck_assert_ptr_nonnull(
+        strstr(contents(line), k ? "NumberOfPoints=\"1\"" : "NumberOfPoints=\"3\""));
+    ck_assert_ptr_nonnull(strstr(contents(line), "\n3 2 0\n"));
     (void)snprintf(line, sizeof line, "sums%d/r.csv", k);
-    ck_assert_ptr_nonnull(strstr(get(line), "\n0,2,stick,0,"));
+    ck_assert_ptr_nonnull(strstr(contents(line), "\n0,2,stick,0,"));
     (void)snprintf(line, sizeof line, "sums%d/surface.dat", k);
-    ck_assert_ptr_nonnull(strstr(get(line), " 2\n"));
+    ck_assert_ptr_nonnull(strstr(contents(line), " 2\n"));
   }
   /* node 1 on node 2, entries of H_N alike: the contact is at the first; K^-1 = (3 2; 2 4) / 4,
    * W = 3/4, q = -1/4 */
@@ -409,7 +401,7 @@ TEST(coordinates) {
                        "--f @/f2.txt --mu 0.5 --csv @/pair"),
                    0);
   double r_n;
-  const char *pair = strstr(get("pair/r.csv"), "\n0,1,stick,");
+  const char *pair = strstr(contents("pair/r.csv"), "\n0,1,stick,");
   ck_assert_ptr_nonnull(pair);
   ck_assert_int_eq(sscanf(pair, "\n0,1,stick,%*[^,],%lf", &r_n), 1);
   ck_assert_double_eq_tol(r_n, 1. / 3, 1e-9);

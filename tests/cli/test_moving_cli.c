@@ -9,7 +9,7 @@
 #include "run.h"
 
 TEST(summary) { /* the numbers are those of the library */
-  ck_assert_int_eq(run("scene block-drop"), 0);
+  ck_assert_int_eq(run("scene block-drop -o @"), 0);
   ck_assert_ptr_nonnull(strstr(output, "block-drop: velocity form, theta 0.5, consistent mass"));
   ck_assert_ptr_nonnull(strstr(output, "finished after 300 of 300 steps, t = 0.03"));
   ck_assert_ptr_nonnull(strstr(output, "% of the "));
@@ -23,6 +23,11 @@ TEST(summary) { /* the numbers are those of the library */
   ck_assert_double_eq_tol(number_after(", friction "), d.energy.friction, 1e-6);
   dls_moving_destroy(moving);
   ck_assert_double_le(number_after("worst step: energy "), 1e-13);
+  if (!has_gnuplot()) return;
+  double left = 0, width = 0; /* of the map of pressures, which hides no label beside it */
+  const char *image = strstr(contents("map.svg"), "<image ");
+  ck_assert(image && sscanf(image, "<image x='%lf' y='%*f' width='%lf'", &left, &width) == 2);
+  ck_assert_msg(left > 109 && left + width < 851, "%g %g", left, width);
 }
 
 TEST(options) {
