@@ -25,7 +25,7 @@ src/front 2002
 src/motion 1148
 src/fe 4981
 src/console 2297
-src/problem 4594
+src/problem 4595
 src/charts 2713
 src/report 2204
 src/cli 2227
