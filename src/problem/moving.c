@@ -266,7 +266,6 @@ static void print_moving_json(const dls_moving_data *d, const moving_worst *wors
   print_json_field(stdout, "balance_energy", worst->residual);
   print_json_field(stdout, "balance_momentum", worst->momentum);
   if (d->dynamic) print_json_field(stdout, "impulse_normal", d->impulse[0]);
-  if (d->dynamic) print_json_field(stdout, "impulse_tangential", d->impulse[1]);
   if (d->has_exact) print_json_field(stdout, "gap_error", d->gap_error);
   puts("\n}");
 }

@@ -41,16 +41,17 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
       "set bmargin at screen 0.22\n"
       "set key at screen 0.5,0.01 center bottom horizontal maxcols 3\nset xlabel 'time [%s]'\nset "
       "ylabel 'energy [%s]'\n"
-      "set xrange [0:%g]\n",
-      quote(AS_GNUPLOT, d->name).text, units_of(d)->time, units_of(d)->energy, d->state.t);
+      "set xrange [0:%g]\nn = %d # about 2000 points, for a page\n",
+      quote(AS_GNUPLOT, d->name).text, units_of(d)->time, units_of(d)->energy, d->state.t,
+      1 + d->steps / 2000);
   begin_pictures(script, "energy", 1000, 640);
-  fputs("  plot 'energy.csv' every ::1 using 1:10 with lines lw 5 lc rgb '#aaaaaa' title 'energy "
+  fputs("  plot 'energy.csv' every n::1 using 1:10 with lines lw 5 lc rgb '#aaaaaa' title 'energy "
         "less all works'",
         script);
   for (size_t k = 0; k < sizeof line / sizeof line[0]; k++)
     if (fabs(line[k].size) > (k < 3 ? 0 : 1e-6 * whole))
       fprintf(script,
-              ", \\\n       '' every ::1 using 1:(%s) with lines lw 2 lc rgb '%s' title '%s'",
+              ", \\\n       '' every n::1 using 1:(%s) with lines lw 2 lc rgb '%s' title '%s'",
               line[k].formula, line[k].color, line[k].title);
   return draw_script(script, directory, "energy");
 }
@@ -68,8 +69,7 @@ static int write_map(const char *directory, const dls_moving_data *d) {
           "a = 1e300\nb = -1e300\nh = p = 0\n"
           "stats 'map.dat' using (a = $3 > 0 && $1 < a ? $1 : a, b = $3 > 0 && $1 > b ? $1 : b, "
           "h = $1 > p ? $1 - p : h, p = $1, 1) nooutput\n"
-          "if (!(b > a)) { a = 0; b = %g }\n" /* no contact: all of it */
-          "m = 0.15*(b - a)\n"
+          "if (!(b > a)) { a = 0; b = %g }\nm = 0.15*(b - a)\n" /* no contact: all of it */
           "set xrange [a - m < h ? h/2 : (floor((a - m)/h) - 0.499)*h:"
           "b + m > %g ? %g + h/2 : (ceil((b + m)/h) + 0.499)*h]\n"
           "set xlabel 'time [%s]'\nset ylabel 'x along the surface [%s]'\n"
@@ -82,8 +82,7 @@ static int write_map(const char *directory, const dls_moving_data *d) {
           "  set multiplot layout 2,1\n"
           "  set title %s.': pressure r_n / length [%s]'\n"
           "  set palette maxcolors 0 defined (0 '#ffffff', 0.01 '#fee8c8', 0.4 '#fdbb84', 0.7 "
-          "'#e34a33', "
-          "1 '#7f0000')\n"
+          "'#e34a33', 1 '#7f0000')\n"
           "  set cbrange [0:*]\n  set cbtics auto\n  set format cb '%%.2g'\n"
           "  plot 'map.dat' using 1:2:3 with image\n"
           "  set title 'state of the candidates'\n"
@@ -109,14 +108,16 @@ static int write_bar(const char *directory, const dls_moving_data *d) {
           "  set multiplot layout 2,1\n"
           "  set label 1 %s.', %d elements: gap, L2 error %.3g' at graph 0,1.06\n"
           "  set ylabel 'gap [-]'\n  set format x ''\n"
-          "  plot 'bar.dat' using 1:3 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
-          "       '' using 1:2 with lines lw 1.5 lc rgb '#0072b2' title 'computed'\n"
+          "  n = %d\n  plot 'bar.dat' every n using 1:3 with lines lw 6 lc rgb '#f0b88a' title "
+          "'closed form', \\\n"
+          "       '' every n using 1:2 with lines lw 1.5 lc rgb '#0072b2' title 'computed'\n"
           "  set label 1 'force of the wall' at graph 0,1.06\n"
           "  set ylabel 'force [-]'\n  set xlabel 'time [-]'\n  set format x '%%g'\n"
-          "  plot 'bar.dat' using 1:5 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
-          "       '' using 1:4 with lines lw 1.2 lc rgb '#0072b2' title 'computed'\n"
+          "  plot 'bar.dat' every n using 1:5 with lines lw 6 lc rgb '#f0b88a' title 'closed "
+          "form', \\\n"
+          "       '' every n using 1:4 with lines lw 1.2 lc rgb '#0072b2' title 'computed'\n"
           "  unset xlabel\n",
-          quote(AS_GNUPLOT, d->name).text, d->mesh->quads, d->gap_error);
+          quote(AS_GNUPLOT, d->name).text, d->mesh->quads, d->gap_error, 1 + d->steps / 2000);
   return draw_script(script, directory, "bar");
 }
 

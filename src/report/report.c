@@ -150,11 +150,10 @@ static int begin_page(report *a, const char *directory) {
 
 /* Adds the sections of other commands. of: the problem that all methods solve. */
 static void add_parts(report *a, const char *of) {
-  const double cpu = a->options->cpu;
-  progress_task(a->shown, cpu, a->options->quick ? quick_share : budget_share);
+  progress_task(a->shown, a->options->cpu, a->options->quick ? quick_share : budget_share);
   if (a->options->quick) return;
   part_speed(&a->parts, a->options->from.step, of);
-  progress_task(a->shown, cpu, budget_share + part_share);
+  progress_task(a->shown, a->options->cpu, budget_share + part_share);
   page_say(&a->page, PAGE_SECTION, "Stability");
   part_stability(&a->parts);
 }
@@ -237,10 +236,7 @@ static int report_scene(report *a, const scene *s, const char *directory) {
     return result;
   }
   if (budget_run(b, &error) || b->take < 0) {
-    if (was_interrupted())
-      result = EXIT_NOT_SOLVED;
-    else
-      (void)complain_of(s->name, &error);
+    result = was_interrupted() ? EXIT_NOT_SOLVED : complain_of(s->name, &error);
     free(b);
     return result;
   }
@@ -320,27 +316,32 @@ static int add_contact(report *a, const problem *p, const char *directory) {
   return result;
 }
 
-/* Writes the condensed problem of matrices as a file, which chart and map read. */
-static int save_problem(report *a, const problem *p, char path[PATH_ROOM]) {
+/* Writes the condensed problem of matrices as a file and takes it from there, as commands do. */
+static int save_problem(report *a, problem *p, problem *saved, char path[PATH_ROOM]) {
+  const source file = {0};
   dls_error error = {0};
   if (!join_path(path, a->folder, "problem.hdf5")) return 0;
   a->parts.name = path;
-  if (!dls_fclib_write_local(path, &p->contact, a->shown, NULL, NULL, &error)) return 1;
-  return complain_of(path, &error), 0;
+  if (dls_fclib_write_local(path, &p->contact, a->shown, NULL, NULL, &error))
+    return complain_of(path, &error), 0;
+  if (!problem_open(path, &file, saved)) return 0;
+  p->contact = saved->contact;
+  return 1;
 }
 
 static int report_contact(report *a, const char *directory) {
-  problem p = {0};
+  problem p = {0}, saved = {0};
   char path[PATH_ROOM];
   int result = EXIT_BAD_INPUT;
   if (problem_open(a->shown, &a->options->from, &p) && make_directory(a->folder) &&
-      (!p.matrices || save_problem(a, &p, path))) {
+      (!p.matrices || save_problem(a, &p, &saved, path))) {
     problem_fit_threads(&p);
     result = add_contact(a, &p, directory);
   } else if (was_interrupted()) {
     result = EXIT_NOT_SOLVED;
   }
   problem_free(&p);
+  problem_free(&saved);
   return result;
 }
 

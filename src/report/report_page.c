@@ -81,7 +81,7 @@ static void write_words(const page *p, const char *text, int copied) {
     fprintf(p->html, whole ? "<span>%.*s</span>" : "%.*s", length, at);
     at += length;
     const int unit = *at && digits == length && digits && strcspn(at + 1, " .,:;)") <= 3;
-    fputs(unit && !copied ? "&#160;" : *at ? " " : "", p->html);
+    fputs(unit && !copied ? "\xc2\xa0" : *at ? " " : "", p->html);
     at += *at == ' ';
   }
 }

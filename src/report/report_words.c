@@ -42,7 +42,6 @@ void budget_verdict(const budget *b, char *text, size_t size) {
   (void)setting_text(s, &take->at, 0, words);
   (void)percent(b->accuracy, wanted);
   (void)percent(b->error, error);
-  (void)asked_words(b, of);
   const quantity_of most = budget_worst(b, b->take);
   if (b->of & (b->of - 1))
     (void)snprintf(worst, sizeof worst, ", the %s the worst",
@@ -54,11 +53,11 @@ void budget_verdict(const budget *b, char *text, size_t size) {
     (void)snprintf(text, size, "Take %s: its error is unknown, %s of CPU are too few (--cpu=S)",
                    words, in_words(b->limit).text);
   } else if (b->met) {
-    (void)snprintf(text, size, "Take %s: %s within %s (estimated to: %s%s), %s of CPU", words, of,
-                   wanted, error, worst, in_words(take->got.seconds).text);
+    (void)snprintf(text, size, "Take %s: %s within %s (estimated to: %s%s), %s of CPU", words,
+                   asked_words(b, of), wanted, error, worst, in_words(take->got.seconds).text);
   } else {
     (void)snprintf(text, size, "Take %s: %s within %s%s, the best that %s of CPU found, not %s",
-                   words, of, error, worst, in_words(b->limit).text, wanted);
+                   words, asked_words(b, of), error, worst, in_words(b->limit).text, wanted);
   }
 }
 

@@ -10,7 +10,6 @@ static const struct {
              {1370, "23 min"},  {5020, "84 min"},       {7200, "2 h"},     {2.12e5, "59 h"},
              {1.1e7, "3056 h"}, {1e9, "277778 h"}};
 
-/* No time is a power of ten from a second on. */
 TEST_EACH(times_are_read_aloud, 0, sizeof times / sizeof times[0]) {
   ck_assert_str_eq(in_words(times[_i].seconds).text, times[_i].words);
 }
