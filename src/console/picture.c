@@ -164,8 +164,8 @@ static int run_gnuplot(const char *directory, const char *name) {
 }
 
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]) {
-  for (int k = 0; k < 2; k++)
-    lo[k] = hi[k] = xy[k];
+  lo[0] = hi[0] = xy[0];
+  lo[1] = hi[1] = xy[1];
   for (int k = 0; k < 2 * nodes; k++) {
     const double rest = xy[k], moved = rest + (displacement ? displacement[k] : 0);
     lo[k % 2] = fmin(lo[k % 2], fmin(rest, moved));

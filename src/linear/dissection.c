@@ -100,7 +100,6 @@ static idx_t graph_merge(graph *g) {
     for (size_t k = g->start[i]; k < g->start[i + 1]; k++)
       g->hash[i] += graph_mix(g->other[k]);
     g->weight[i] = 0;
-    g->mark[i] = -1;
   }
   idx_t count = 0;
   for (idx_t i = 0; i < g->n; i++) {
