@@ -162,7 +162,7 @@ static const struct {
 #ifdef __SANITIZE_ADDRESS__ /* takes three times as long */
     {"report extrusion --quick --cpu 24 --accuracy 0.1 --text -o @",
 #else
-    {"report extrusion --quick --cpu 8 --accuracy 0.1 --text -o @",
+    {"report extrusion --quick --cpu 16 --accuracy 0.1 --text -o @",
 #endif
      "extrusion.html",
      {"force on the ram", "estimated to", "penalty, factor 1000", "penalty, factor 2000"}},
