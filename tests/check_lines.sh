@@ -32,7 +32,7 @@ src/cli 2227
 src/mpi 3847
 src/python 2754
 src/fortran 569
-tests 66573
+tests 66589
 bench 12645
 examples 2751
 END

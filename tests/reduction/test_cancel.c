@@ -92,7 +92,7 @@ static void make_host(void) {
 
 typedef struct host {
   int calls, lasts, cancel_at; /* 0: never */
-  int stages;                  /* that have begun */
+  int stages, most;            /* that have begun; pieces of the last one */
   char stage[20];
 } host;
 
@@ -114,6 +114,7 @@ static int look_on(void *data, const dls_progress *p) {
     ck_assert_str_eq(p->stage, order[h->stages++]);
     (void)strcpy(h->stage, p->stage);
   }
+  h->most = p->max_iterations;
   ck_assert(h->cancel_at == 0 || h->calls < h->cancel_at); /* none after it */
   return ++h->calls == h->cancel_at;
 }
@@ -196,4 +197,19 @@ TEST_EACH(cancels_update, 0, WITH_MUMPS ? 4 : 2) {
   dls_reduction_destroy(R);
   free(W);
   free_model();
+}
+
+/* Two candidates at one unknown of a body whose other unknowns are condensed: W has one piece. */
+TEST_EACH(one_unknown, 0, WITH_MUMPS) {
+  static const int p[] = {0, 1, 2}, row[] = {2, 2}, none[5] = {0};
+  host h;
+  dls_reduction *R;
+  const dls_reduction_settings s = watched(&h, 0);
+  make_cube(side, 0);
+  C.model.nodes = 2;
+  C.model.HN = (dls_sparse){C.model.n, 2, p, row, C.one};
+  C.model.HT = (dls_sparse){C.model.n, 4, none, row, C.one};
+  ck_assert_int_eq(reduce_on_W(&R, &C.model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(h.most, 1);
+  dls_reduction_destroy(R);
 }
