@@ -43,14 +43,15 @@ static int may_begin_with_newton(dlsi_auto *work) {
   return work->swept > expect_of_step(work);
 }
 
-/* Measures the best answer, which begins as a start without a certificate. Scratch: v. */
-static void measure_best(dlsi_auto *work) {
+/* Measures r, and keeps it as the best one if it is better. Scratch: v. */
+static void offer(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
-  const double *r = work->best;
   dls_certificate now;
   dlsi_contact_multiply(problem, NULL, r, work->v[0], work->v[1]);
   dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
-  if (dlsi_is_better(&now, &work->info.certificate)) work->info.certificate = now;
+  if (!dlsi_is_better(&now, &work->info.certificate)) return;
+  work->info.certificate = now;
+  memcpy(work->best, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
 }
 
 /* Returns the residual of r with v[0] as its u. */
@@ -102,7 +103,8 @@ int dlsi_auto_predict(dlsi_auto *work) {
     for (size_t k = 0; k < m; k++)
       work->v[0][k] = a->Wr[k] + problem->q[k];
   if (residual > work->options.limits.tol) return work->start = residual, 0;
-  measure_best(work);
+  memcpy(work->r, work->best, m * sizeof *work->r);
+  offer(work, work->r);
   return dls_certificate_holds(&work->info.certificate, work->options.limits.tol);
 }
 
@@ -177,7 +179,8 @@ dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error) {
   if (status < 0) return status;
   if (dlsi_auto_verdict_of(work) != DLS_STALLED) return dlsi_auto_verdict_of(work);
   work->failed_to_step = 1;
-  if (work->start > 0) measure_best(work); /* what the step has begun with has no certificate */
+  if (work->start > 0)
+    offer(work, work->last.r); /* what the step has begun with has no certificate */
   if (work->stopped) return work->stopped;
   return status == DLS_TIME_LIMIT ? status : DLS_STALLED;
 }
