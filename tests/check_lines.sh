@@ -27,7 +27,7 @@ src/fe 4981
 src/console 2297
 src/problem 4595
 src/charts 2713
-src/report 2204
+src/report 2205
 src/cli 2227
 src/mpi 3847
 src/python 2754

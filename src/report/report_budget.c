@@ -26,7 +26,7 @@
 
 #include "report.h"
 
-/* Parts of the CPU limit: of a ladder of meshes, of steps, of tolerances; of one candidate. */
+/* Parts of the CPU limit: of the ladders of meshes, of tall ones, of steps, of tolerances. */
 static const double mesh_share = 0.55, tall_share = 0.45, steps_share = 0.12, tol_share = 0.06;
 static const double well_known = 0.25;      /* of the accuracy: a limit is not refined further */
 static const double tol_part = 0.02;        /* of the accuracy that the tolerance may take, ... */
@@ -342,8 +342,8 @@ static int run_check(budget *b, const candidate *c, int tol, dls_error *error) {
   return -1;
 }
 
-/* Tries a candidate, to a tolerance and, where that is too loose for so many steps, to that of the
- * ladders; returns 1 if it is within the accuracy and its check agrees. */
+/* Tries a candidate in half the CPU left, to a tolerance and, where that is too loose for so many
+ * steps, to that of the ladders; returns 1 if it is within the accuracy and its check agrees. */
 static int try_candidate(budget *b, const candidate *c, int tol, dls_error *error) {
   const setting at = on_mesh(b, c->of, c->mesh, c->steps, tol);
   const int k = run_probe(b, &at, "search", seconds_left(b) / 2, error);

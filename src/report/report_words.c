@@ -72,9 +72,10 @@ void budget_accuracy(const budget *b, page *p) {
   const scene *s = b->scene;
   if (!knows_error(b)) return;
   page_say(p, PAGE_PLAIN, "Accuracy, from %s, %.6g %s, and the finest run:",
-           isfinite(s->exact)            ? "the closed form"
-           : b->mesh.low <= b->mesh.high ? "the limit of the meshes"
-                                         : "the limit of the steps",
+           isfinite(s->exact) ? "the closed form"
+           : b->mesh.low <= b->mesh.high || b->second.low <= b->second.high
+               ? "the limit of the meshes"
+               : "the limit of the steps",
            b->reference, s->unit);
   page_table(p, "what,within,estimated error of the reference,asked");
   for (quantity_of of = OF_FORCE; of < OF_COUNT; of++) {
